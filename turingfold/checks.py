@@ -1,0 +1,64 @@
+"""Checks of input: each raises a ValueError that names the argument, its value, the bound and a remedy."""
+
+from __future__ import annotations
+
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def finite(name: str, value: Any, remedy: str = "") -> float:
+    """Return value as a float if it is a finite real number."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not np.isfinite(float(value)):
+        raise ValueError(_message(name, value, "a finite number", remedy))
+    return float(value)
+
+
+def positive(name: str, value: Any, *, at_most: float = float("inf"), remedy: str = "") -> float:
+    """Return value as a float if 0 < value <= at_most."""
+    number = finite(name, value, remedy)
+    if not 0 < number <= at_most:
+        bound = "positive" if np.isinf(at_most) else f"positive and at most {at_most:g}"
+        raise ValueError(_message(name, value, bound, remedy))
+    return number
+
+
+def between(name: str, value: Any, low: float, high: float, remedy: str = "") -> float:
+    """Return value as a float if low <= value <= high."""
+    number = finite(name, value, remedy)
+    if not low <= number <= high:
+        raise ValueError(_message(name, value, f"between {low:g} and {high:g}", remedy))
+    return number
+
+
+def whole(name: str, value: Any, *, at_least: int, remedy: str = "") -> int:
+    """Return value as an int if it is a whole number >= at_least."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < at_least:
+        raise ValueError(_message(name, value, f"a whole number of at least {at_least}", remedy))
+    return int(value)
+
+
+def one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
+    """Return value if it is one of the known words."""
+    if value not in known:
+        raise ValueError(_message(name, value, "one of " + ", ".join(map(repr, known)), ""))
+    return str(value)
+
+
+def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    """Return value as a float array of the given shape (None: any length) without NaN or infinity."""
+    array = np.asarray(value, dtype=float)
+    if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
+        wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"
+        raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}.")
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name} is {array[where]} at index {where}; every value must be finite.")
+    return array
+
+
+def _message(name: str, value: Any, bound: str, remedy: str) -> str:
+    shown = f"{value:g}" if isinstance(value, float) else repr(value)
+    return f"{name}={shown} must be {bound}" + (f"; {remedy}" if remedy else "") + "."

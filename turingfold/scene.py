@@ -1,0 +1,221 @@
+"""What a scene is made of: state, processes, terms, and the errors a run can end with.
+
+A `Process` changes fields between equilibria (pattern, growth). A `Term` contributes potential energy
+(elasticity, tension, contact, inertia). Both are frozen descriptions; what is computed from them lives in the
+objects they return. Parts do not know each other: they meet in the state, by field name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body
+from .checks import positive, whole
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class SolveError(RuntimeError):
+    """A solve that stopped; `time` says when, `growth` how far, the message what to try."""
+
+    def __init__(self, message: str, *, time: float = float("nan"), residual: float = float("nan")) -> None:
+        super().__init__(message)
+        self.time = time
+        self.residual = residual
+
+
+class NotConvergedError(SolveError):
+    """An equilibrium or steady state was not reached."""
+
+
+class InadmissibleStateError(SolveError):
+    """A state with a non-finite value, an inverted element or an intersection."""
+
+
+class MissingFieldError(ValueError):
+    """A part reads a field that no earlier process writes."""
+
+
+@dataclass(frozen=True)
+class State:
+    """Fields at one time: displacement (2, n_nodes) in m, and whatever processes and terms have written."""
+
+    time: float
+    fields: Mapping[str, Array] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "fields", MappingProxyType(dict(self.fields)))
+
+    def __getitem__(self, name: str) -> Array:
+        return self.fields[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.fields
+
+    def updated(self, time: float | None = None, **fields: Array) -> State:
+        """Return a copy with some fields, and possibly the time, replaced."""
+        return State(self.time if time is None else time, {**self.fields, **fields})
+
+
+@runtime_checkable
+class Process(Protocol):
+    """Changes fields between equilibria."""
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Names of the fields needed."""
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Names of the fields made."""
+
+    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
+        """Return the fields at the start; `state` holds those of earlier processes."""
+
+    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
+        """Return the fields at `state.time + dt`; empty where nothing changes."""
+
+
+class Evaluation(Protocol):
+    """A potential at one configuration; gradient and Hessian are computed when asked for, once."""
+
+    energy: float
+
+    def gradient(self) -> tuple[Array, float]:
+        """Return the gradient (2 n_nodes,) and the sum of squares of its element contributions."""
+
+    def hessian(self, convexity: float) -> Hessian:
+        """Return the Hessian, blended from the true one (0) to its positive semi-definite projection (1)."""
+
+
+@dataclass(frozen=True)
+class Hessian:
+    """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up."""
+
+    rows: Integers
+    columns: Integers
+    values: Array
+
+
+class Potential(Protocol):
+    """A term on a body with the fields of one step frozen; x is the displacement (2 n_nodes,), node by node."""
+
+    def evaluate(self, x: Array) -> Evaluation | None:
+        """Return the evaluation at x, or None where the energy is infinite there."""
+
+    def largest_step(self, x: Array, direction: Array) -> float:
+        """Return a step in (0, 1] along `direction` that keeps the state admissible."""
+
+
+class Operator(Protocol):
+    """A term discretised on a body: everything that is computed once."""
+
+    def during(self, state: State, dt: float) -> Potential | None:
+        """Return the potential of the step that ends in `state`, or None if the term does nothing in it.
+
+        `state` has the new time and the new fields of the processes, and the old displacement and velocity.
+        """
+
+
+@runtime_checkable
+class Term(Protocol):
+    """Contributes potential energy, in J per m of depth."""
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Names of the fields needed."""
+
+    def on(self, body: Body) -> Operator:
+        """Return the term discretised on `body`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stepping:
+    """How the march chooses its steps, in units of the scene's time.
+
+    first, largest, smallest: step sizes as fractions of `until`. A step that converges makes the next one
+    1.3 times longer, one that fails is halved and starts again from the untouched state.
+    tolerance: residual at which an equilibrium counts, relative to the root sum of squares of element forces.
+    iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
+    """
+
+    first: float = 1 / 45
+    largest: float = 1 / 45
+    smallest: float = 1e-5
+    tolerance: float = 1e-8
+    iterations: int = 60
+    seconds: float = float("inf")
+
+    def __post_init__(self) -> None:
+        for name in ("first", "largest", "smallest", "tolerance"):
+            positive(name, getattr(self, name), at_most=1.0)
+        if not self.smallest <= self.first <= self.largest:
+            raise ValueError(
+                f"Stepping: smallest={self.smallest:g} <= first={self.first:g} <= largest={self.largest:g} "
+                "does not hold; put the three in this order."
+            )
+        whole("iterations", self.iterations, at_least=1)
+        if not self.seconds > 0:
+            raise ValueError(f"seconds={self.seconds!r} must be positive; leave it out for no limit.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A body, the potential terms acting on it, and the processes that change it; only what is listed exists.
+
+    Raises MissingFieldError if a part reads a field that no earlier process writes, ValueError for the rest.
+    """
+
+    body: Body
+    terms: tuple[Term, ...]
+    processes: tuple[Process, ...] = ()
+    until: float = 1.0
+    seed: int = 0
+    stepping: Stepping = Stepping()
+
+    def __post_init__(self) -> None:
+        _of_type("body", self.body, Body)
+        object.__setattr__(self, "terms", _parts("terms", self.terms, Term))
+        object.__setattr__(self, "processes", _parts("processes", self.processes, Process))
+        positive("until", self.until)
+        whole("seed", self.seed, at_least=0)
+        if not self.terms:
+            raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")
+        written: set[str] = {"displacement"}
+        for part in self.processes:
+            _written(part, part.reads, written)
+            written |= set(part.writes)
+        for term in self.terms:
+            _written(term, term.reads, written)
+
+
+def _of_type(name: str, value: Any, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise ValueError(f"{name}={value!r} must be a {kind.__name__}, not a {type(value).__name__}.")
+
+
+def _parts(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
+    parts = tuple(parts) if isinstance(parts, (tuple, list)) else (parts,)
+    for part in parts:
+        if not isinstance(part, kind):
+            raise ValueError(
+                f"{name} holds {part!r}, which is no {kind.__name__}; "
+                "patterns and growth go into processes, everything with an energy into terms."
+            )
+    return parts
+
+
+def _written(part: object, reads: tuple[str, ...], written: set[str]) -> None:
+    for name in reads:
+        if name not in written:
+            raise MissingFieldError(
+                f"{type(part).__name__} reads the field {name!r}, which no earlier process writes "
+                f"(written: {', '.join(sorted(written))}); add a process that writes it, before this part."
+            )
