@@ -1,0 +1,298 @@
+"""The body: a triangle mesh with a pial surface, a cortex of given thickness and a base."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Basis, ElementTriP2, MeshTri1, MeshTri2
+
+from .checks import one_of, positive
+from .curve import Curve, chain
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+BASES = ("clamped", "roller", "free")
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The part of a body's mesh that is cortex: `mesh` and, per node of it, the node of the body."""
+
+    mesh: MeshTri2
+    nodes: Integers
+
+
+@dataclass(frozen=True)
+class Quadrature:
+    """The body's integration points, q of them in each of e elements; the rule has positive weights only.
+
+    derivatives: of the 6 shape functions in the reference triangle, shape (6, 2, q).
+    shapes: the shape functions, (6, q).  inverse: ∂ξ/∂X, (2, 2, q, e).  weights: area of each point, (q, e).
+    """
+
+    points: Array
+    shapes: Array
+    derivatives: Array
+    inverse: Array
+    weights: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A mesh whose boundary has a part named "pial" and, unless `base` is free, one named "base".
+
+    mesh: straight or isoparametric quadratic triangles in m; straight ones become quadratic. A part named
+    "mirror" makes it half of a mirror-symmetric body: there, displacement across the line is zero.
+    thickness: of the cortex, in m. Elements in the subdomain "cortex" are gray matter; without that name it is
+    those with their centre less than `thickness` below the pial surface.
+    base: "clamped" (no displacement), "roller" (none across the base line) or "free".
+    Raises ValueError for missing parts, wrong lengths, inverted or degenerate triangles.
+    """
+
+    mesh: MeshTri2
+    thickness: float
+    base: str = "clamped"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "thickness", positive("thickness", self.thickness))
+        one_of("base", self.base, BASES)
+        object.__setattr__(self, "mesh", _quadratic(self.mesh))
+        needed = ("pial",) if self.base == "free" else ("pial", "base")
+        known = self.mesh.boundaries or {}
+        for name in needed:
+            if name not in known or len(known[name]) == 0:
+                raise ValueError(
+                    f"mesh has no boundary named {name!r} (it names: {', '.join(known) or 'none'}); "
+                    "add it with mesh.with_boundaries({...})."
+                )
+        _check_elements(self.mesh)
+
+    # nodes and curves
+
+    @property
+    def nodes(self) -> Array:
+        """Reference positions, vertices first, then edge middles; shape (2, n_nodes)."""
+        return self.mesh.doflocs  # type: ignore[no-any-return]
+
+    @cached_property
+    def triangles(self) -> Integers:
+        """Nodes of each quadratic triangle, shape (6, n_elements)."""
+        return np.asarray(self._basis.element_dofs, dtype=np.int64)
+
+    @cached_property
+    def length(self) -> float:
+        """Half the body's largest extent, the unit of length for tolerances; m."""
+        extent = np.ptp(self.nodes, axis=1)
+        return float(max(0.5 * extent[0], extent[1]) if not self.mirror else extent.max())
+
+    @property
+    def mirror(self) -> bool:
+        """Whether this is the half of a mirror-symmetric body."""
+        return "mirror" in (self.mesh.boundaries or {})
+
+    @cached_property
+    def pial(self) -> Integers:
+        """Nodes along the pial surface, counter-clockwise around the body; shape (n_pial,)."""
+        return self.boundary_path("pial")[0]
+
+    @cached_property
+    def pial_curve(self) -> Curve:
+        """The pial surface before deformation."""
+        nodes, closed = self.boundary_path("pial")
+        return Curve(self.nodes[:, nodes], closed)
+
+    @property
+    def pial_arc(self) -> Array:
+        """Arc length along the undeformed pial surface, shape (n_pial,); m."""
+        return self.pial_curve.arc
+
+    @cached_property
+    def interface(self) -> Integers:
+        """Nodes along the gray-white interface, in the direction of the pial surface; shape (n_interface,)."""
+        f2t, gray = self.mesh.f2t, self.in_cortex
+        inner = f2t[1] >= 0
+        across = np.flatnonzero(inner & (gray[f2t[0]] != gray[np.where(inner, f2t[1], 0)]))
+        if across.size == 0:
+            raise ValueError(f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface.")
+        nodes, _ = self._path(across)
+        arc = self.pial_curve.nearest(self.nodes[:, nodes])[2]
+        return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else nodes[::-1].copy()
+
+    def boundary_path(self, name: str) -> tuple[Integers, bool]:
+        """Return the nodes of a named boundary in counter-clockwise order, and whether it is closed."""
+        facets = np.asarray(self.mesh.boundaries[name])
+        nodes, closed = self._path(facets)
+        first = self._facet_of[nodes[0], nodes[2 % len(nodes)]]
+        element = self.mesh.f2t[0, first]
+        corner = list(self.mesh.t[:, element])
+        follows = corner[(corner.index(nodes[0]) + 1) % 3] == nodes[2 % len(nodes)]
+        return (nodes, closed) if follows else (_reversed(nodes, closed), closed)
+
+    def _path(self, facets: Integers) -> tuple[Integers, bool]:
+        vertices, closed = chain(self.mesh.facets[:, facets])
+        onward = np.roll(vertices, -1) if closed else vertices[1:]
+        mids = [self.mesh.nvertices + self._facet_of[a, b] for a, b in zip(vertices, onward, strict=False)]
+        path = np.empty(len(vertices) + len(mids), dtype=np.int64)
+        path[0::2], path[1::2] = vertices, mids
+        return path, closed
+
+    @cached_property
+    def _facet_of(self) -> dict[tuple[int, int], int]:
+        a, b = self.mesh.facets.tolist()
+        return {pair: k for k, pair in enumerate(zip(a, b, strict=True))} | {
+            pair: k for k, pair in enumerate(zip(b, a, strict=True))
+        }
+
+    # layers
+
+    @cached_property
+    def in_cortex(self) -> Booleans:
+        """Whether each element is gray matter, shape (n_elements,)."""
+        named = (self.mesh.subdomains or {}).get("cortex")
+        if named is not None:
+            mask = np.zeros(self.mesh.nelements, dtype=bool)
+            mask[named] = True
+            return mask
+        centres = self.mesh.p[:, self.mesh.t].mean(1)
+        return self.pial_curve.nearest(centres)[0] < self.thickness
+
+    @cached_property
+    def cortex(self) -> Band:
+        """The cortical band as a mesh of its own, with the boundaries "pial" and "interface"."""
+        return _submesh(self, np.flatnonzero(self.in_cortex))
+
+    # integration
+
+    @cached_property
+    def _basis(self) -> Basis:
+        return Basis(self.mesh, ElementTriP2(), intorder=4)
+
+    @cached_property
+    def quadrature(self) -> Quadrature:
+        """Integration points of order 4, with everything that is computed on them once."""
+        basis = self._basis
+        mapping, element = basis.mapping, basis.elem
+        values = [element.lbasis(basis.X, i) for i in range(6)]
+        inverse = np.ascontiguousarray(np.swapaxes(mapping.invDF(basis.X), 2, 3))
+        return Quadrature(
+            points=np.ascontiguousarray(np.swapaxes(mapping.F(basis.X), 1, 2)),
+            shapes=np.stack([shape for shape, _ in values]),
+            derivatives=np.stack([slope for _, slope in values]),
+            inverse=inverse,
+            weights=np.ascontiguousarray(basis.dx.T),
+        )
+
+    @cached_property
+    def depth(self) -> Array:
+        """Distance y to the pial surface at the integration points, shape (q, e); m."""
+        return self._foot[0]
+
+    @cached_property
+    def tangent(self) -> Array:
+        """Unit tangent of the nearest pial point at the integration points, shape (2, q, e)."""
+        return self._foot[1]
+
+    @cached_property
+    def arc(self) -> Array:
+        """Arc length of the nearest pial point at the integration points, shape (q, e); m."""
+        return self._foot[2]
+
+    @cached_property
+    def _foot(self) -> tuple[Array, Array, Array]:
+        points = self.quadrature.points
+        distance, tangent, arc = self.pial_curve.nearest(points.reshape(2, -1))
+        shape = points.shape[1:]
+        return distance.reshape(shape), tangent.reshape(2, *shape), arc.reshape(shape)
+
+    # constraints
+
+    @cached_property
+    def fixed(self) -> Integers:
+        """Fixed degrees of freedom 2·node + component; a free body is held at three, which carry no force."""
+        dofs = set()
+        if self.base == "clamped":
+            nodes = self.boundary_path("base")[0]
+            dofs |= set(2 * nodes) | set(2 * nodes + 1)
+        elif self.base == "roller":
+            nodes = self.boundary_path("base")[0]
+            dofs |= set(2 * nodes + self._normal_axis("base"))
+        if self.mirror:
+            nodes = self.boundary_path("mirror")[0]
+            dofs |= set(2 * nodes + self._normal_axis("mirror"))
+        return np.array(sorted(dofs | self._holds(dofs)), dtype=np.int64)
+
+    def _holds(self, dofs: set[int]) -> set[int]:
+        # each rigid motion that nothing else prevents is prevented at one degree of freedom near the middle
+        centre = self.nodes.mean(1)
+        middle = int(np.argmin(((self.nodes - centre[:, None]) ** 2).sum(0)))
+        free_x, free_y = (not any(d % 2 == i for d in dofs) for i in (0, 1))
+        if free_x and free_y:
+            far = int(np.argmax(self.nodes[1] - np.abs(self.nodes[0] - self.nodes[0, middle])))
+            return {2 * middle, 2 * middle + 1, 2 * far}
+        return {2 * middle + (0 if free_x else 1)} if free_x or free_y else set()
+
+    def _normal_axis(self, name: str) -> int:
+        nodes = self.boundary_path(name)[0]
+        spread = np.ptp(self.nodes[:, nodes], axis=1)
+        axis = int(np.argmin(spread))
+        if spread[axis] > 1e-9 * self.length:
+            raise ValueError(
+                f"boundary {name!r} is not a horizontal or vertical line (it spreads {spread[axis]:.3g} m), so it "
+                'cannot slide on rollers; use base="clamped" or "free", or turn the body.'
+            )
+        return axis
+
+
+def _reversed(nodes: Integers, closed: bool) -> Integers:
+    return np.roll(nodes[::-1], 1) if closed else nodes[::-1].copy()
+
+
+def _quadratic(mesh: MeshTri1) -> MeshTri2:
+    if not isinstance(mesh, MeshTri1):  # MeshTri2 is one too
+        raise ValueError(f"mesh must be a scikit-fem triangle mesh, not {type(mesh).__name__}.")
+    if not np.isfinite(mesh.doflocs).all():
+        raise ValueError(f"mesh has {np.sum(~np.isfinite(mesh.doflocs))} coordinates that are not finite.")
+    corners = mesh.p[:, mesh.t]
+    (ax, ay), (bx, by) = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * (ax * by - ay * bx)
+    flat = np.abs(area) <= 1e-12 * np.ptp(mesh.p, axis=1).max() ** 2
+    if flat.any():
+        k = int(np.flatnonzero(flat)[0])
+        raise ValueError(f"triangle {k} of the mesh is degenerate: its area is {area[k]:.3g} m²; remove or repair it.")
+    quadratic = mesh if isinstance(mesh, MeshTri2) else MeshTri2.from_mesh(mesh)
+    names = {"_boundaries": mesh.boundaries, "_subdomains": mesh.subdomains}
+    turned = quadratic.t.copy()
+    turned[1:, area < 0] = turned[:0:-1, area < 0]
+    return MeshTri2(quadratic.doflocs, turned, validate=False, **names)
+
+
+def _check_elements(mesh: MeshTri2) -> None:
+    corners_and_middles = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+    jacobian = mesh.mapping().detDF(corners_and_middles)
+    if (jacobian <= 0).any():
+        k, _ = np.argwhere(jacobian <= 0)[0]
+        centre = mesh.p[:, mesh.t[:, k]].mean(1)
+        raise ValueError(
+            f"triangle {k} of the mesh at ({centre[0]:.4g}, {centre[1]:.4g}) m folds over itself (Jacobian "
+            f"{jacobian[k].min():.3g}); move its edge middles, or use smaller elements along the curved side."
+        )
+
+
+def _submesh(body: Body, elements: Integers) -> Band:
+    mesh = body.mesh
+    vertices, local = np.unique(mesh.t[:, elements], return_inverse=True)
+    part = MeshTri2.from_mesh(MeshTri1(mesh.p[:, vertices], local.reshape(3, -1), sort_t=False, validate=False))
+    ends = vertices[part.facets]
+    facets = np.array([body._facet_of[a, b] for a, b in ends.T.tolist()])
+    nodes = np.concatenate([vertices, mesh.nvertices + facets])
+    sides = {name: set(body.boundary_path(name)[0].tolist()) for name in mesh.boundaries}
+    sides["interface"] = set(body.interface.tolist())
+    edge = part.boundary_facets()
+    named = {name: edge[[int(nodes[part.nvertices + f]) in side for f in edge]] for name, side in sides.items()}
+    boundaries = {name: found for name, found in named.items() if len(found)}
+    return Band(MeshTri2(mesh.doflocs[:, nodes], part.t, _boundaries=boundaries, validate=False), nodes)

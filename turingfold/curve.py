@@ -1,0 +1,119 @@
+"""A piecewise quadratic curve: its nodes in order, arc length, and the nearest point to any other point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Quadratic segments through `points` (2, n): vertex, mid, vertex, ... in order.
+
+    Open curves have an odd n; a closed one has an even n and returns to its first point.
+    """
+
+    points: Array
+    closed: bool = False
+
+    @cached_property
+    def segments(self) -> Array:
+        """Start, mid and end points, shape (3, 2, n_segments)."""
+        nodes = np.concatenate([self.points, self.points[:, :1]], axis=1) if self.closed else self.points
+        return np.stack([nodes[:, :-2:2], nodes[:, 1:-1:2], nodes[:, 2::2]])
+
+    @cached_property
+    def arc(self) -> Array:
+        """Arc length at every point, shape (n,), by Gauss quadrature of the speed on each half segment."""
+        halves = [self._length(-1.0, 0.0), self._length(0.0, 1.0)]
+        steps = np.stack(halves, axis=1).ravel()
+        return np.concatenate([[0.0], np.cumsum(steps)])[: self.points.shape[1]]
+
+    @cached_property
+    def length(self) -> float:
+        """Total arc length."""
+        return float(self._length(-1.0, 1.0).sum())
+
+    def _length(self, low: float, high: float) -> Array:
+        xi, weights = np.polynomial.legendre.leggauss(4)
+        xi = 0.5 * (low + high) + 0.5 * (high - low) * xi
+        speed = np.stack([np.hypot(*self._slope(np.full(self.segments.shape[2], x))) for x in xi])
+        return 0.5 * (high - low) * (weights @ speed)
+
+    def _slope(self, xi: Array, which: Integers | None = None) -> Array:
+        start, mid, end = self.segments if which is None else self.segments[:, :, which]
+        return 0.5 * (end - start) + (start - 2 * mid + end) * xi
+
+    def _point(self, xi: Array, which: Integers) -> Array:
+        start, mid, end = self.segments[:, :, which]
+        return mid + 0.5 * (end - start) * xi + 0.5 * (start - 2 * mid + end) * xi**2
+
+    def nearest(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return distance (m,), unit tangent (2, m) and arc length (m,) at the nearest curve point of each point.
+
+        points: (2, m). The foot point solves (x - c(ξ))·c'(ξ) = 0 on the nearest segment and its neighbours.
+        """
+        count = self.segments.shape[2]
+        _, middle = cKDTree(self.segments[1].T).query(points.T)
+        best = np.full(points.shape[1], np.inf)
+        foot, where = np.zeros_like(best), np.zeros(best.shape, dtype=np.int64)
+        for shift in (-1, 0, 1):
+            which = (middle + shift) % count if self.closed else np.clip(middle + shift, 0, count - 1)
+            xi = self._project(points, which)
+            distance = np.hypot(*(points - self._point(xi, which)))
+            better = distance < best
+            best[better], foot[better], where[better] = distance[better], xi[better], which[better]
+        slope = self._slope(foot, where)
+        return best, slope / np.hypot(*slope), self._arc_at(foot, where)
+
+    def _project(self, points: Array, which: Integers) -> Array:
+        start, mid, end = self.segments[:, :, which]
+        bend = start - 2 * mid + end
+        xi = np.zeros(points.shape[1])
+        for _ in range(8):
+            gap, slope = points - self._point(xi, which), self._slope(xi, which)
+            speed2 = (slope**2).sum(0)
+            # Gauss-Newton far from the curve's centre of curvature, where the full derivative may vanish
+            curvature = np.maximum(speed2 - (gap * bend).sum(0), 0.2 * speed2)
+            xi = np.clip(xi + (gap * slope).sum(0) / curvature, -1.0, 1.0)
+        return xi
+
+    def _arc_at(self, xi: Array, which: Integers) -> Array:
+        nodes = np.append(self.arc, self.length) if self.closed else self.arc
+        low, mid, high = nodes[2 * which], nodes[2 * which + 1], nodes[2 * which + 2]
+        return mid + 0.5 * (high - low) * xi + 0.5 * (low - 2 * mid + high) * xi**2
+
+
+def chain(pairs: Integers) -> tuple[Integers, bool]:
+    """Return the order in which edges (2, n) follow each other head to tail, as vertices, and whether they close.
+
+    Raises ValueError if the edges do not make one single curve.
+    """
+    neighbours: dict[int, list[int]] = {}
+    for a, b in pairs.T.tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    ends = sorted(v for v, near in neighbours.items() if len(near) == 1)
+    if len(ends) not in (0, 2) or any(len(near) > 2 for near in neighbours.values()):
+        raise ValueError(
+            f"the boundary edges make a curve with {len(ends)} ends and "
+            f"{sum(len(near) > 2 for near in neighbours.values())} branches; name one connected part of the boundary."
+        )
+    path = [ends[0] if ends else min(neighbours)]
+    previous = -1
+    while True:
+        onward = [v for v in neighbours[path[-1]] if v != previous]
+        if not onward or (not ends and len(path) > 1 and onward[0] == path[0]):
+            break
+        previous = path[-1]
+        path.append(onward[0])
+    if len(path) != len(neighbours):
+        raise ValueError(f"the boundary edges fall apart: {len(path)} of {len(neighbours)} vertices are connected.")
+    return np.array(path), not ends
