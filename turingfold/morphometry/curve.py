@@ -1,0 +1,223 @@
+"""Plane curves given as points: checks, arc length, normals, the hull they stretch, distances to them.
+
+Every measure of this package takes `points` (2, n) in order along the curve and `closed`:
+False is a pial surface from one end of the base to the other, True an outline, None (default) an outline
+where the gap between the two ends is at most twice the longest segment.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, cKDTree
+
+from ..checks import finite_array, whole
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+FEWEST_POINTS = 8
+FINE = 2000  # pieces at least that a curve is cut into where distances to it are wanted
+WIDEST_GAP = 5.0  # closing segment of an outline over its longest other segment
+COINCIDENT = 1e-12  # distance over extent below which two points are one
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Checked points (2, n) of a polyline; a closed one does not repeat its first point."""
+
+    points: Array
+    closed: bool
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return int(self.points.shape[1])
+
+    @cached_property
+    def segments(self) -> Array:
+        """Vectors (2, m) from each point to the next; m = n if closed, else n - 1."""
+        ahead = np.roll(self.points, -1, axis=1) - self.points
+        return ahead if self.closed else ahead[:, :-1]
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Lengths (m,) of the segments."""
+        return np.asarray(np.hypot(*self.segments))
+
+    @property
+    def length(self) -> float:
+        """Length of the whole curve, m."""
+        return float(self.lengths.sum())
+
+    @cached_property
+    def arc(self) -> Array:
+        """Arc length (n,) from the first point to each point."""
+        cumulative = np.concatenate(([0.0], np.cumsum(self.lengths)))
+        return cumulative[: self.size]
+
+    @cached_property
+    def weights(self) -> Array:
+        """Length (n,) that belongs to each point: half of its segments; the sum is the curve's length."""
+        if self.closed:
+            return (self.lengths + np.roll(self.lengths, 1)) / 2
+        half = self.lengths / 2
+        return np.concatenate((half, [0.0])) + np.concatenate(([0.0], half))
+
+    @cached_property
+    def orientation(self) -> float:
+        """+1 if the curve, closed by its chord, runs counter-clockwise, else -1."""
+        x, y = self.points - self.points[:, :1]
+        return 1.0 if np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) >= 0 else -1.0
+
+    @cached_property
+    def segment_normals(self) -> Array:
+        """Unit normals (2, m) of the segments, out of the body."""
+        return self.orientation * np.stack((self.segments[1], -self.segments[0])) / self.lengths
+
+    @cached_property
+    def normals(self) -> Array:
+        """Unit normals (2, n) at the points, out of the body: mean direction of the two segments there."""
+        here, before = self.segment_normals, np.roll(self.segment_normals, 1, axis=1)
+        if not self.closed:
+            here, before = np.hstack((here, here[:, -1:])), np.hstack((here[:, :1], here))
+        total = here + before
+        norm = np.hypot(*total)
+        spike = norm < COINCIDENT  # the curve turns back on itself: any of the two normals will do
+        return np.where(spike, here, total) / np.where(spike, 1.0, norm)
+
+    @cached_property
+    def outer(self) -> Curve:
+        """The taut outer path: the convex hull of an outline; with its two ends, of a pial surface.
+
+        Hull corners come in the order of the curve, so a straight cut across the base is never part of it.
+        """
+        corners = np.sort(ConvexHull((self.points - self.points[:, :1]).T).vertices)
+        if not self.closed:
+            corners = np.union1d(corners, [0, self.size - 1])
+        return Curve(self.points[:, corners], self.closed)
+
+    @property
+    def radius(self) -> float:
+        """Size of the body, m: radius of the disc (pial surface: half disc) with the same outer path."""
+        return self.outer.length / (2 * np.pi if self.closed else np.pi)
+
+    def reversed(self) -> Curve:
+        """Return the same curve, run through from its other end."""
+        return Curve(self.points[:, ::-1], self.closed)
+
+
+def as_curve(points: Any, closed: bool | None = None, name: str = "points") -> Curve:
+    """Return checked points (2, n) as a curve; a repeated first point at the end of an outline is dropped.
+
+    Raises ValueError for a wrong shape, NaN, fewer than 8 points, points on one line, two equal points in
+    a row, an outline that does not close, and an open curve that does.
+    """
+    array = finite_array(name, points, (2, None))
+    _enough(array, name)
+    extent = float(np.hypot(*np.ptp(array, axis=1)))
+    gap = float(np.hypot(*(array[:, -1] - array[:, 0])))
+    steps = np.hypot(*np.diff(array, axis=1))
+    repeated = np.flatnonzero(steps <= COINCIDENT * extent)
+    if repeated.size:
+        k = int(repeated[0])
+        raise ValueError(f"{name} {k} and {k + 1} coincide at {array[:, k]}; remove one of them.")
+    longest = float(steps.max())
+    if closed is None:
+        closed = gap <= 2 * longest
+    _check_ends(name, closed, gap, longest, extent)
+    if closed and gap <= COINCIDENT * extent:
+        array = array[:, :-1]
+        _enough(array, name)
+    spread = np.linalg.svd(array - array.mean(axis=1, keepdims=True), compute_uv=False)
+    if spread[1] <= COINCIDENT * spread[0]:
+        raise ValueError(f"{name} lie on one straight line; a curve around a body is needed.")
+    return Curve(array, closed)
+
+
+def _enough(array: Array, name: str) -> None:
+    if array.shape[1] < FEWEST_POINTS:
+        raise ValueError(f"{name} has {array.shape[1]} different points; at least {FEWEST_POINTS} are needed.")
+
+
+def _check_ends(name: str, closed: bool, gap: float, longest: float, extent: float) -> None:
+    if closed and gap > WIDEST_GAP * longest:
+        raise ValueError(
+            f"{name}: the gap between the ends is {gap:g} m; in a closed outline it must be at most "
+            f"{WIDEST_GAP:g} times the longest segment, {longest:g} m: add points, or pass closed=False."
+        )
+    if not closed and gap <= COINCIDENT * extent:
+        raise ValueError(f"{name}: the first and last of the points coincide; pass closed=True.")
+
+
+def perimeter(points: Any, *, closed: bool | None = None) -> float:
+    """Return the length of the curve, m."""
+    return as_curve(points, closed).length
+
+
+def resample(points: Any, count: int, *, closed: bool | None = None) -> Array:
+    """Return `count` points (2, count) at equal steps of arc length on the cubic spline through the points.
+
+    An outline starts at its first point and does not repeat it; an open curve keeps both ends.
+    """
+    curve = as_curve(points, closed)
+    return spline_points(curve, fractions(whole("count", count, at_least=FEWEST_POINTS), curve.closed))
+
+
+def fractions(count: int, closed: bool) -> Array:
+    """Return equally spaced fractions (count,) of the arc length; 1 is included only for an open curve."""
+    return np.linspace(0.0, 1.0, count, endpoint=not closed)
+
+
+def spline_points(curve: Curve, where: Array) -> Array:
+    """Return points (2, n) at fractions `where` of the arc length of the cubic spline through the curve."""
+    from scipy.interpolate import CubicSpline
+
+    nodes, at = curve.points, curve.arc
+    if curve.closed:
+        nodes, at = np.hstack((nodes, nodes[:, :1])), np.append(at, curve.length)
+    spline = CubicSpline(at, nodes, axis=1, bc_type="periodic" if curve.closed else "not-a-knot")
+    # Chords undercount the arc, more so where points are sparse: measure it on a refined copy.
+    fine = np.interp(np.arange(8 * (at.size - 1) + 1) / 8, np.arange(at.size), at)
+    travelled = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(spline(fine), axis=1)))))
+    return np.asarray(spline(np.interp(where * travelled[-1], travelled, fine)), dtype=float)
+
+
+def signed_distance(points: Array, curve: Curve) -> Array:
+    """Return the distance (n,) from points (2, n) to the curve, m; positive outside the body.
+
+    The nearest vertex is found on a finely cut copy of the curve, then the point is projected on the two
+    segments there; beside a vertex the sign is that of the mean normal.
+    """
+    fine = _subdivided(curve, curve.length / max(FINE, 2 * curve.lengths.size))
+    _, nearest = cKDTree(fine.points.T).query(points.T)
+    last = fine.lengths.size - 1
+    best = np.full(points.shape[1], np.inf)
+    sign = np.ones(points.shape[1])
+    for segment in (nearest - 1, nearest):
+        k = segment % fine.lengths.size if fine.closed else np.clip(segment, 0, last)
+        offset = points - fine.points[:, k]
+        along = np.clip(np.sum(offset * fine.segments[:, k], axis=0) / fine.lengths[k] ** 2, 0.0, 1.0)
+        across = offset - along * fine.segments[:, k]
+        normal = np.where(along == 0.0, fine.normals[:, k], fine.segment_normals[:, k])
+        normal = np.where(along == 1.0, fine.normals[:, (k + 1) % fine.size], normal)
+        distance = np.hypot(*across)
+        closer = distance < best
+        best = np.where(closer, distance, best)
+        sign = np.where(closer, np.where(np.sum(across * normal, axis=0) >= 0, 1.0, -1.0), sign)
+    return best * sign
+
+
+def _subdivided(curve: Curve, longest: float) -> Curve:
+    """Return the same polyline with straight segments no longer than `longest`."""
+    pieces = np.ceil(curve.lengths / longest).astype(int)
+    owner = np.repeat(np.arange(pieces.size), pieces)
+    step = np.arange(owner.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    points = curve.points[:, owner] + curve.segments[:, owner] * (step / pieces[owner])
+    if not curve.closed:
+        points = np.hstack((points, curve.points[:, -1:]))
+    return Curve(points, curve.closed)
