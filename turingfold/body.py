@@ -187,6 +187,12 @@ class Body:
             weights=np.ascontiguousarray(basis.dx.T),
         )
 
+    def at_quadrature(self, band: Band, values: Array) -> Array:
+        """Return nodal values of a band, (n_band_nodes,), at the integration points, (q, e); zero outside it."""
+        everywhere = np.zeros(self.nodes.shape[1])
+        everywhere[band.nodes] = values
+        return np.asarray(np.einsum("aq,ae->qe", self.quadrature.shapes, everywhere[self.triangles]))
+
     @cached_property
     def depth(self) -> Array:
         """Distance y to the pial surface at the integration points, shape (q, e); m."""

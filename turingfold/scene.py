@@ -87,9 +87,10 @@ class Evaluation(Protocol):
     """A potential at one configuration; gradient and Hessian are computed when asked for, once."""
 
     energy: float
+    curved: bool  # whether there is a Hessian
 
     def gradient(self) -> tuple[Array, float]:
-        """Return the gradient (2 n_nodes,) and the sum of squares of its element contributions."""
+        """Return the gradient (2 n_nodes,) and the square of the force it is small or large against."""
 
     def hessian(self, convexity: float) -> Hessian:
         """Return the Hessian, blended from the true one (0) to its positive semi-definite projection (1)."""
@@ -97,11 +98,15 @@ class Evaluation(Protocol):
 
 @dataclass(frozen=True)
 class Hessian:
-    """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up."""
+    """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up.
+
+    lasting: the two index arrays are the same objects each time, so that their places need be found only once.
+    """
 
     rows: Integers
     columns: Integers
     values: Array
+    lasting: bool
 
 
 class Potential(Protocol):
@@ -112,6 +117,15 @@ class Potential(Protocol):
 
     def largest_step(self, x: Array, direction: Array) -> float:
         """Return a step in (0, 1] along `direction` that keeps the state admissible."""
+
+    def finish(self, x: Array) -> dict[str, Array]:
+        """Return the fields that the next step needs beside the displacement, such as a velocity."""
+
+    def observe(self, x: Array) -> dict[str, Array]:
+        """Return fields to look at, such as a stress."""
+
+    def measure(self, x: Array) -> dict[str, float]:
+        """Return numbers for the history, such as the smallest gap."""
 
 
 class Operator(Protocol):
@@ -142,7 +156,7 @@ class Stepping:
 
     first, largest, smallest: step sizes as fractions of `until`. A step that converges makes the next one
     1.3 times longer, one that fails is halved and starts again from the untouched state.
-    tolerance: residual at which an equilibrium counts, relative to the root sum of squares of element forces.
+    tolerance: residual at which an equilibrium counts, relative to the forces that balance in it.
     iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
     """
 

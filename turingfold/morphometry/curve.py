@@ -141,7 +141,7 @@ def as_curve(points: Any, closed: bool | None = None, name: str = "points") -> C
 
 def _enough(array: Array, name: str) -> None:
     if array.shape[1] < FEWEST_POINTS:
-        raise ValueError(f"{name} has {array.shape[1]} different points; at least {FEWEST_POINTS} are needed.")
+        raise ValueError(f"{name} has {array.shape[1]} points; at least {FEWEST_POINTS} are needed.")
 
 
 def _check_ends(name: str, closed: bool, gap: float, longest: float, extent: float) -> None:

@@ -1,0 +1,104 @@
+"""How growth proceeds in time: each history turns a final factor into the factor at time t."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from .checks import finite_array, positive
+
+
+@runtime_checkable
+class History(Protocol):
+    """Growth from the factor 1 at t = 0 to `final` at the end of its duration."""
+
+    def factor(self, final: float, time: float) -> float:
+        """Return the growth factor at `time`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Linear:
+    """g = 1 + (final - 1) t/duration."""
+
+    duration: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive("duration", self.duration)
+
+    def factor(self, final: float, time: float) -> float:
+        """Return the growth factor at `time`."""
+        return 1.0 + (final - 1.0) * time / self.duration
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exponential:
+    """g = final^(t/duration): a constant relative rate, ln(final)/duration."""
+
+    duration: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive("duration", self.duration)
+
+    def factor(self, final: float, time: float) -> float:
+        """Return the growth factor at `time`."""
+        return float(final ** (time / self.duration))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Logistic:
+    """g = 1 + (final - 1) (s(t) - s(0))/(s(1) - s(0)), s = 1/(1 + exp(-steepness (t/duration - middle)))."""
+
+    duration: float = 1.0
+    steepness: float = 10.0
+    middle: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("duration", "steepness", "middle"):
+            positive(name, getattr(self, name), at_most=float("inf") if name == "duration" else 100.0)
+
+    def factor(self, final: float, time: float) -> float:
+        """Return the growth factor at `time`."""
+        s = 1 / (1 + np.exp(-self.steepness * (np.array([0.0, time / self.duration, 1.0]) - self.middle)))
+        return float(1.0 + (final - 1.0) * (s[1] - s[0]) / (s[2] - s[0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gompertz:
+    """g = 1 + (final - 1) (s(t) - s(0))/(s(1) - s(0)), s = exp(-delay exp(-steepness t/duration))."""
+
+    duration: float = 1.0
+    steepness: float = 6.0
+    delay: float = 6.0
+
+    def __post_init__(self) -> None:
+        for name in ("duration", "steepness", "delay"):
+            positive(name, getattr(self, name), at_most=float("inf") if name == "duration" else 100.0)
+
+    def factor(self, final: float, time: float) -> float:
+        """Return the growth factor at `time`."""
+        s = np.exp(-self.delay * np.exp(-self.steepness * np.array([0.0, time / self.duration, 1.0])))
+        return float(1.0 + (final - 1.0) * (s[1] - s[0]) / (s[2] - s[0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """g = 1 + (final - 1) f(t), f linear between the given shares at the given times, constant outside."""
+
+    times: tuple[float, ...]
+    shares: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        times, shares = finite_array("times", self.times, (None,)), finite_array("shares", self.shares, (None,))
+        if times.size < 2 or times.size != shares.size or not (np.diff(times) > 0).all():
+            raise ValueError(
+                f"times has {times.size} and shares {shares.size} entries; give at least two of each, equally many, "
+                "with the times in increasing order."
+            )
+        object.__setattr__(self, "times", tuple(times.tolist()))
+        object.__setattr__(self, "shares", tuple(shares.tolist()))
+
+    def factor(self, final: float, time: float) -> float:
+        """Return the growth factor at `time`."""
+        return float(1.0 + (final - 1.0) * np.interp(time, self.times, self.shares))

@@ -1,0 +1,205 @@
+"""Self-contact of the body's boundary, and of it with the straight lines that bound the half space it lives in.
+
+The barrier and the continuous collision detection are ipctk's (incremental potential contact, Li et al. 2020).
+The boundary's polyline runs through the corner and middle nodes of the quadratic edges. At the two ends of the
+pial surface of a clamped, rolling or mirrored body the base (or mirror) line continues outward as an obstacle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import ipctk
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, tril
+
+from ..body import Body
+from ..checks import positive
+from ..scene import Hessian, State
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
+REACH = 8.0  # obstacles extend this many body lengths
+
+
+@dataclass(frozen=True, kw_only=True)
+class SelfContact:
+    """Barrier energy that keeps the boundary from touching itself: it acts below the distance dhat.
+
+    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or nodes
+    would be in contact from the start.  stiffness: traction, in units of the shear modulus `modulus` (Pa), at half
+    the distance dhat.
+    """
+
+    gap: float = 0.4
+    stiffness: float = 1.0
+    modulus: float = 500.0
+
+    def __post_init__(self) -> None:
+        positive("gap", self.gap, at_most=0.9, remedy="neighbouring nodes must not be in contact at rest")
+        positive("stiffness", self.stiffness)
+        positive("modulus", self.modulus)
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """No field."""
+        return ()
+
+    def on(self, body: Body) -> ContactOperator:
+        """Return the term discretised on `body`."""
+        return ContactOperator(body, self)
+
+
+class ContactOperator:
+    """The collision mesh of one body. Distances inside ipctk are in units of the body's length."""
+
+    def __init__(self, body: Body, term: SelfContact) -> None:
+        self.unit = body.length
+        self.nodes, edges, shortest = _boundary(body)
+        obstacles, obstacle_edges = _obstacles(body, self.nodes)
+        self.rest = np.asfortranarray(np.concatenate([body.nodes[:, self.nodes].T, obstacles]) / self.unit)
+        self.moving = len(self.nodes)
+        all_edges = np.concatenate([edges, obstacle_edges]) if len(obstacle_edges) else edges
+        self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(all_edges.astype(np.int32)))
+        self.dhat = term.gap * shortest / self.unit
+        # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units of distance
+        self.scale = term.stiffness * term.modulus * self.unit**2
+        self.barrier = ipctk.BarrierPotential(self.dhat, 1.0 / (4.33 * self.dhat**3))
+        dofs = 2 * np.repeat(self.nodes, 2)
+        dofs[1::2] += 1
+        self.dofs = dofs
+        self.n_dofs = 2 * body.nodes.shape[1]
+        if self.smallest_gap(self.rest) < self.dhat:
+            raise ValueError(
+                f"SelfContact: the undeformed boundary comes closer to itself than dhat = {self.dhat * self.unit:.3g} "
+                "m; use a smaller gap, or an outline without touching parts."
+            )
+
+    def positions(self, x: Array) -> Array:
+        """Return the collision vertices (n, 2) at the displacement x."""
+        moved = self.rest.copy(order="F")
+        moved[: self.moving] += x[self.dofs].reshape(-1, 2) / self.unit
+        return moved
+
+    def collisions(self, positions: Array, reach: float) -> ipctk.NormalCollisions:
+        """Return the pairs closer than `reach`."""
+        found = ipctk.NormalCollisions()
+        found.use_area_weighting = True
+        found.build(self.mesh, positions, reach)
+        return found
+
+    def smallest_gap(self, positions: Array) -> float:
+        """Return the smallest distance between parts of the boundary that are not neighbours, up to 4 dhat."""
+        found = self.collisions(positions, 4 * self.dhat)
+        if found.empty():
+            return float(4 * self.dhat)
+        return float(np.sqrt(found.compute_minimum_distance(self.mesh, positions)))
+
+    def during(self, state: State, dt: float) -> ContactPotential:
+        """Return the barrier; it does not change from step to step."""
+        return ContactPotential(self)
+
+
+@dataclass(frozen=True)
+class ContactPotential:
+    """The barrier energy as a function of the displacement."""
+
+    operator: ContactOperator
+
+    def evaluate(self, x: Array) -> ContactEvaluation:
+        """Return energy and derivatives at x."""
+        return ContactEvaluation(self.operator, self.operator.positions(x))
+
+    def largest_step(self, x: Array, direction: Array) -> float:
+        """Return nine tenths of the step at which parts of the boundary would first touch, at most 1."""
+        operator = self.operator
+        start, end = operator.positions(x), operator.positions(x + direction)
+        if not np.isfinite(end).all():
+            return 0.0  # ipctk would answer that nothing is in the way
+        if ipctk.is_step_collision_free(operator.mesh, start, end):
+            return 1.0
+        return 0.9 * float(ipctk.compute_collision_free_stepsize(operator.mesh, start, end))
+
+    def finish(self, x: Array) -> dict[str, Array]:
+        """Contact without friction has no memory."""
+        return {}
+
+    def observe(self, x: Array) -> dict[str, Array]:
+        """Nothing beside the gap."""
+        return {}
+
+    def measure(self, x: Array) -> dict[str, float]:
+        """Return the smallest distance between parts of the boundary (m; at most 4 dhat is looked for)."""
+        operator = self.operator
+        return {"min_gap": operator.smallest_gap(operator.positions(x)) * operator.unit}
+
+
+class ContactEvaluation:
+    """Barrier energy at one configuration."""
+
+    def __init__(self, operator: ContactOperator, positions: Array) -> None:
+        self.operator, self.positions = operator, positions
+        self.collisions = operator.collisions(positions, operator.dhat)
+        self.curved = not self.collisions.empty()
+        self.energy = operator.scale * float(operator.barrier(self.collisions, operator.mesh, positions))
+
+    @cached_property
+    def _forces(self) -> Array:
+        operator = self.operator
+        return np.asarray(operator.barrier.gradient(self.collisions, operator.mesh, self.positions))
+
+    def gradient(self) -> tuple[Array, float]:
+        """Return the nodal forces and the sum of squares of the contact forces."""
+        operator = self.operator
+        total = np.zeros(operator.n_dofs)
+        if not self.curved:
+            return total, 0.0
+        forces = self._forces[: len(operator.dofs)] * (operator.scale / operator.unit)
+        total[operator.dofs] = forces
+        return total, float(forces @ forces)
+
+    def hessian(self, convexity: float) -> Hessian:
+        """Return the barrier's Hessian, clamped to be semi-definite where convexity is asked for."""
+        operator = self.operator
+        method = ipctk.PSDProjectionMethod.CLAMP if convexity > 0 else ipctk.PSDProjectionMethod.NONE
+        full = csc_matrix(operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method))
+        own = len(operator.dofs)
+        lower = tril(full[:own, :own]).tocoo()
+        rows, columns = operator.dofs[lower.row], operator.dofs[lower.col]
+        return Hessian(rows, columns, lower.data * (operator.scale / operator.unit**2), lasting=False)
+
+
+def _boundary(body: Body) -> tuple[Integers, Integers, float]:
+    """Return the boundary's nodes, its edges (m, 2) as positions in them, and the shortest edge."""
+    facets = body.mesh.boundary_facets()
+    if body.mirror:
+        facets = np.setdiff1d(facets, body.mesh.boundaries["mirror"])
+    ends, middle = body.mesh.facets[:, facets], body.mesh.nvertices + facets
+    edges = np.concatenate([np.stack([ends[0], middle]), np.stack([middle, ends[1]])], axis=1)
+    nodes, local = np.unique(edges, return_inverse=True)
+    length = np.hypot(*(body.nodes[:, edges[0]] - body.nodes[:, edges[1]]))
+    return nodes, local.reshape(2, -1).T, float(length.min())
+
+
+def _obstacles(body: Body, nodes: Integers) -> tuple[Array, Integers]:
+    """Return far points of the lines that continue base and mirror beyond the pial surface, and their edges."""
+    points: list[Array] = []
+    edges: list[tuple[int, int]] = []
+    lines = [name for name in ("base", "mirror") if name in body.mesh.boundaries]
+    if body.base == "free" and "base" in lines:
+        lines.remove("base")
+    pial_ends = [] if body.pial_curve.closed else [body.pial[0], body.pial[-1]]
+    for name in lines:
+        path = body.boundary_path(name)[0]
+        for end, neighbour in ((path[0], path[1]), (path[-1], path[-2])):
+            if end not in pial_ends:
+                continue
+            outward = body.nodes[:, end] - body.nodes[:, neighbour]
+            far = body.nodes[:, end] + REACH * body.length * outward / np.hypot(*outward)
+            points.append(far)
+            edges.append((int(np.searchsorted(nodes, end)), len(nodes) + len(points) - 1))
+    return np.array(points).reshape(-1, 2), np.array(edges, dtype=np.int64).reshape(-1, 2)

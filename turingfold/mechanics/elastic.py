@@ -1,0 +1,272 @@
+"""Finite-strain elasticity of the two-layer body on quadratic triangles, grown by F = F* G.
+
+Everything is pulled back to the reference triangle, where the shape functions are the same for all elements:
+with H = ∂x/∂ξ, B = D Dᵀ, D = (∂ξ/∂X) G⁻¹ and δ = F*_zz det D,
+
+    I₁ = H:(H B) + F*_zz²,   J* = δ det H,   ∂J*/∂H = δ cof H,
+
+so that forces and tangents of all elements are three matrix products with constant matrices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..body import Body
+from ..checks import one_of
+from ..growth import cortex_indicator
+from ..scene import Hessian, State
+from . import material
+from .convexity import negative_part
+from .material import NeoHookean
+
+Array = NDArray[np.float64]
+
+LAYERS = ("sigmoid", "sharp")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Elastic:
+    """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer; grows where a process writes growth.
+
+    layers: "sharp" takes the moduli by element; "sigmoid" blends them by θ(y) = 1/(1 + exp(10 (y/T - 1))).
+    Without `white` the whole body is gray.
+    """
+
+    gray: NeoHookean
+    white: NeoHookean | None = None
+    layers: str = "sharp"
+
+    def __post_init__(self) -> None:
+        one_of("layers", self.layers, LAYERS)
+        for name, value in (("gray", self.gray), ("white", self.white)):
+            if not (isinstance(value, NeoHookean) or (name == "white" and value is None)):
+                raise ValueError(f"{name}={value!r} must be a NeoHookean, e.g. NeoHookean.from_young(1389.0, 0.4583).")
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """No field is required; "growth" is used where it exists."""
+        return ()
+
+    def on(self, body: Body) -> ElasticOperator:
+        """Return the term discretised on `body`."""
+        return ElasticOperator(body, *self.moduli(body))
+
+    def moduli(self, body: Body) -> tuple[Array, Array]:
+        """Return μ and κ at the integration points, each (q, e); Pa."""
+        shape = body.quadrature.weights.shape
+        if self.white is None:
+            return np.full(shape, self.gray.mu), np.full(shape, self.gray.kappa)
+        share = cortex_indicator(body, self.layers)
+        gray, white = self.gray, self.white
+        return white.mu + share * (gray.mu - white.mu), white.kappa + share * (gray.kappa - white.kappa)
+
+
+class ElasticOperator:
+    """Elasticity on one body: shape function products and entry places, computed once."""
+
+    def __init__(self, body: Body, mu: Array, kappa: Array) -> None:
+        self.body, self.mu, self.kappa = body, mu, kappa
+        slopes = body.quadrature.derivatives
+        q = slopes.shape[2]
+        self.slopes = slopes.reshape(6, 2 * q)
+        low, high = np.tril_indices(6)[::-1]
+        product = slopes[low][:, :, None] * slopes[high][:, None, :]
+        self.same = np.stack([product[:, 0, 0], product[:, 0, 1] + product[:, 1, 0], product[:, 1, 1]], axis=1)
+        self.same = self.same.reshape(21, 3 * q)
+        self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
+        self.rows, self.columns = self._places(low, high)
+        self.dofs = 2 * body.triangles[:, None] + np.arange(2)[None, :, None]  # (6, 2, e)
+        self._grown: tuple[Array | None, Metric] | None = None
+
+    def _places(self, low: Array, high: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return where the 78 different entries of each element matrix go, each (78, e)."""
+        x = 2 * self.body.triangles
+        first, second = np.divmod(np.arange(36), 6)
+        one = np.concatenate([x[low], x[low] + 1, x[first]])
+        other = np.concatenate([x[high], x[high] + 1, x[second] + 1])
+        return np.maximum(one, other), np.minimum(one, other)
+
+    def during(self, state: State, dt: float) -> ElasticPotential:
+        """Return the elastic energy with the growth in `state`."""
+        growth = state.fields.get("growth")
+        if self._grown is None or self._grown[0] is not growth:
+            self._grown = growth, metric(self.body, growth)
+        return ElasticPotential(self, self._grown[1])
+
+
+@dataclass(frozen=True)
+class Metric:
+    """What growth does to the pull-back: D (2, 2, q, e), B (3: xx, xy, yy), δ, F*_zz² and J_G dA, each (q, e)."""
+
+    D: Array
+    B: Array
+    delta: Array
+    out2: Array
+    weights: Array
+
+
+def metric(body: Body, growth: Array | None) -> Metric:
+    """Return the pull-back for growth factors (3, q, e) along tangent, normal and z, or for none."""
+    quadrature = body.quadrature
+    if growth is None:
+        D, out, weights = quadrature.inverse, np.ones_like(quadrature.weights), quadrature.weights
+    else:
+        tx, ty = body.tangent
+        along, across, gz = growth
+        xx, yy = tx * tx / along + ty * ty / across, ty * ty / along + tx * tx / across
+        xy = tx * ty * (1 / along - 1 / across)
+        inverse = quadrature.inverse
+        D = np.stack([inverse[:, 0] * xx + inverse[:, 1] * xy, inverse[:, 0] * xy + inverse[:, 1] * yy], axis=1)
+        out, weights = 1 / gz, quadrature.weights * along * across * gz
+    B = np.stack([D[0, 0] ** 2 + D[0, 1] ** 2, D[0, 0] * D[1, 0] + D[0, 1] * D[1, 1], D[1, 0] ** 2 + D[1, 1] ** 2])
+    return Metric(D, B, out * (D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]), out**2, weights)
+
+
+@dataclass(frozen=True)
+class ElasticPotential:
+    """The elastic energy of one growth state, as a function of the displacement."""
+
+    operator: ElasticOperator
+    metric: Metric
+
+    def stretch(self, x: Array) -> Array:
+        """Return H = ∂x/∂ξ, shape (2, 2, q, e), of the displacement x (2 n_nodes,)."""
+        return self._gradient(self.operator.body.nodes + x.reshape(-1, 2).T)
+
+    def _gradient(self, values: Array) -> Array:
+        operator = self.operator
+        at_nodes = values[:, operator.body.triangles]
+        return (operator.slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
+
+    def evaluate(self, x: Array) -> ElasticEvaluation | None:
+        """Return energy and derivatives at x, or None where J* <= 0 somewhere."""
+        H = self.stretch(x)
+        J = self.metric.delta * (H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0])
+        if not J.min() > 0:  # also catches NaN
+            return None
+        return ElasticEvaluation(self, H, J)
+
+    def largest_step(self, x: Array, direction: Array) -> float:
+        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
+        H, dH = self.stretch(x), self._gradient(direction.reshape(-1, 2).T)
+        now = H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0]
+        linear = H[0, 0] * dH[1, 1] + dH[0, 0] * H[1, 1] - H[0, 1] * dH[1, 0] - dH[0, 1] * H[1, 0]
+        square = dH[0, 0] * dH[1, 1] - dH[0, 1] * dH[1, 0]
+        return _first_loss(0.9 * now, linear, square)
+
+    def observe(self, x: Array) -> dict[str, Array]:
+        """Return von Mises stress, pressure (from the 3D Cauchy stress, Pa) and J*, each (q, e)."""
+        at = self.evaluate(x)
+        if at is None:
+            return {}
+        operator, m = self.operator, self.metric
+        F = np.einsum("imqe,mkqe->ikqe", at.H, m.D)
+        trace = at.I1 / 3
+        shear = operator.mu * np.cbrt(at.J) ** -5
+        bxx, byy = F[0, 0] ** 2 + F[0, 1] ** 2 - trace, F[1, 0] ** 2 + F[1, 1] ** 2 - trace
+        bxy, bzz = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1], m.out2 - trace
+        von_mises = shear * np.sqrt(1.5 * (bxx**2 + byy**2 + bzz**2 + 2 * bxy**2))
+        return {"von_mises": von_mises, "pressure": -operator.kappa * (at.J - 1.0), "jacobian": at.J}
+
+    def measure(self, x: Array) -> dict[str, float]:
+        """Return the smallest J*."""
+        at = self.evaluate(x)
+        return {"min_jacobian": float(at.J.min()) if at is not None else float("nan")}
+
+    def finish(self, x: Array) -> dict[str, Array]:
+        """Elasticity has no memory."""
+        return {}
+
+
+class ElasticEvaluation:
+    """Elastic energy at one configuration, with gradient and Hessian on demand."""
+
+    def __init__(self, potential: ElasticPotential, H: Array, J: Array) -> None:
+        self.potential, self.H, self.J = potential, H, J
+        self.curved = True
+        m, operator = potential.metric, potential.operator
+        Bxx, Bxy, Byy = m.B
+        self.HB = np.stack([H[:, 0] * Bxx + H[:, 1] * Bxy, H[:, 0] * Bxy + H[:, 1] * Byy], axis=1)
+        self.I1 = (H * self.HB).sum((0, 1)) + m.out2
+        density = material.energy(operator.mu, operator.kappa, self.I1, J)
+        self.energy = float(np.vdot(m.weights, density))
+
+    @cached_property
+    def _slopes(self) -> tuple[Array, Array]:
+        operator = self.potential.operator
+        return material.slopes(operator.mu, operator.kappa, self.I1, self.J)
+
+    @cached_property
+    def _cofactor(self) -> Array:
+        H, delta = self.H, self.potential.metric.delta
+        return np.stack([np.stack([H[1, 1], -H[1, 0]]), np.stack([-H[0, 1], H[0, 0]])]) * delta
+
+    def gradient(self) -> tuple[Array, float]:
+        """Return the nodal forces (2 n_nodes,) and the sum of squares of the shear part of the point forces.
+
+        The shear part alone does not vanish in the stress-free state: it is what round-off is relative to.
+        """
+        operator, (a, b) = self.potential.operator, self._slopes
+        weights = self.potential.metric.weights
+        shear = (weights * a) * self.HB
+        P = shear + (weights * b) * self._cofactor
+        forces = operator.slopes @ P.reshape(2, -1, P.shape[3])  # (2, 6, e)
+        at = operator.dofs.transpose(1, 0, 2)
+        total = np.bincount(at.ravel(), forces.ravel(), minlength=2 * operator.body.nodes.shape[1])
+        return total, float(np.vdot(shear, shear))
+
+    def hessian(self, convexity: float) -> Hessian:
+        """Return the tangent, with the share `convexity` of its negative part at each point taken away."""
+        operator, m, (a, b) = self.potential.operator, self.potential.metric, self._slopes
+        c1, c2 = material.curvatures(operator.mu, operator.kappa, self.I1, self.J)
+        w, C = m.weights, self._cofactor
+        wa, half = w * a, 0.5 * w * c2
+        # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
+        K = (w * c1) * self.HB + half * C
+        q, e = a.shape
+        same = np.empty((2, 3, q, e))
+        for i in (0, 1):
+            same[i, 0] = wa * m.B[0] + 2 * K[i, 0] * C[i, 0]
+            same[i, 1] = wa * m.B[1] + K[i, 0] * C[i, 1] + K[i, 1] * C[i, 0]
+            same[i, 2] = wa * m.B[2] + 2 * K[i, 1] * C[i, 1]
+        mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]  # (m, n, q, e)
+        turn = w * b * m.delta
+        mixed[0, 1] += turn
+        mixed[1, 0] -= turn
+        if convexity > 0:
+            self._add_negative_part(convexity, same, mixed, c1, c2)
+        values = np.empty((78, e))
+        np.matmul(operator.same, same.reshape(2, 3 * q, e), out=values[:42].reshape(2, 21, e))
+        np.matmul(operator.mixed, mixed.reshape(4 * q, e), out=values[42:])
+        return Hessian(operator.rows, operator.columns, values, lasting=True)
+
+    def _add_negative_part(self, share: float, same: Array, mixed: Array, c1: Array, c2: Array) -> None:
+        m, (a, b) = self.potential.metric, self._slopes
+        F = np.einsum("imqe,mkqe->ikqe", self.H, m.D)
+        where, weights, vectors = negative_part(F, np.sqrt(m.out2), a, b, c1, c2)
+        if not len(where):
+            return
+        flat = m.weights.ravel()[where] * share
+        V = np.einsum("vikp,mkp->vimp", vectors, m.D.reshape(2, 2, -1)[:, :, where])
+        N = np.einsum("vp,vimp,vjnp->imjnp", weights * flat, V, V)
+        for i in (0, 1):
+            for k, (p, r) in enumerate(((0, 0), (0, 1), (1, 1))):
+                same[i, k].ravel()[where] += N[i, p, i, r]
+        mixed.reshape(2, 2, -1)[:, :, where] += N[0, :, 1, :]
+
+
+def _first_loss(constant: Array, linear: Array, square: Array) -> float:
+    """Return the smallest s in (0, 1] with constant + linear s + square s² = 0 for any entry, or 1; constant > 0."""
+    bad = np.flatnonzero((constant + linear + square <= 0) | ((linear < 0) & (square > 0)))
+    if not len(bad):
+        return 1.0
+    c, l, q = constant.ravel()[bad], linear.ravel()[bad], square.ravel()[bad]
+    inside = l * l - 4 * q * c
+    bottom = np.sqrt(np.maximum(inside, 0.0)) - l
+    root = np.where((inside >= 0) & (bottom > 0), 2 * c / np.where(bottom > 0, bottom, 1.0), np.inf)
+    return float(min(1.0, root.min()))

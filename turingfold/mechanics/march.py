@@ -1,0 +1,150 @@
+"""The march through time: processes change the fields, then the potential finds its new minimum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import InadmissibleStateError, NotConvergedError, Operator, Potential, Scene, SolveError, State
+from .minimise import Equilibrium, Minimiser
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Step:
+    """An accepted step: the state, the numbers of its row in the history, and the potentials it minimises."""
+
+    state: State
+    numbers: dict[str, float]
+    potentials: tuple[Potential, ...]
+    seconds: dict[str, float]
+
+    @property
+    def x(self) -> Array:
+        """Displacement, (2 n_nodes,), node by node."""
+        return self.state["displacement"].T.ravel()
+
+    def observe(self) -> dict[str, Array]:
+        """Return the fields to look at, such as stresses."""
+        fields: dict[str, Array] = {}
+        for potential in self.potentials:
+            fields |= potential.observe(self.x)
+        return fields
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
+
+    previous: displacement before the last step and that step's length, from which the next start is predicted.
+    """
+
+    state: State
+    dt: float
+    previous: Array | None = None
+    previous_dt: float = 0.0
+
+
+def begin(scene: Scene) -> Progress:
+    """Return the progress before the first step, with the fields that the processes start from."""
+    body = scene.body
+    state = State(0.0, {"displacement": np.zeros_like(body.nodes)})
+    for process in scene.processes:
+        state = state.updated(**process.start(body, state, scene.seed))
+    return Progress(state, scene.stepping.first * scene.until)
+
+
+def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
+    """Yield each accepted step, and the progress from which the next one starts.
+
+    Raises NotConvergedError when a step fails at the smallest step size or the time limit is reached.
+    """
+    stepping, until = scene.stepping, scene.until
+    started = perf_counter()
+    operators = [term.on(scene.body) for term in scene.terms]
+    minimiser = Minimiser(
+        2 * scene.body.nodes.shape[1], scene.body.fixed, stepping.tolerance, stepping.iterations
+    )
+    minimiser.effort.add("setting up", started)
+    while progress.state.time < until * (1 - 1e-12):
+        if perf_counter() - started > stepping.seconds:
+            raise _stopped(progress.state, until, f"the time limit of {stepping.seconds:g} s is reached", None)
+        dt = min(progress.dt, until - progress.state.time)
+        if until - progress.state.time - dt < 0.01 * dt:
+            dt = until - progress.state.time
+        try:
+            step = _attempt(scene, operators, minimiser, progress, dt, perf_counter())
+        except SolveError as error:
+            if dt / 2 < stepping.smallest * until:
+                raise _stopped(progress.state, until, str(error), error) from error
+            progress = replace(progress, dt=dt / 2)
+            continue
+        progress = Progress(
+            step.state, min(1.3 * dt, stepping.largest * until), progress.state["displacement"], dt
+        )
+        yield step, progress
+
+
+def _attempt(
+    scene: Scene, operators: list[Operator], minimiser: Minimiser, progress: Progress, dt: float, began: float
+) -> Step:
+    """Take one step from untouched data."""
+    body, state, effort = scene.body, progress.state, minimiser.effort
+    iterations, factorizations = effort.iterations, effort.factorizations
+    time = state.time + dt
+    fields: dict[str, Array] = {}
+    for process in scene.processes:
+        fields |= process.advance(body, State(state.time, {**state.fields, **fields}), dt)
+    for name, values in fields.items():
+        if not np.isfinite(values).all():
+            raise InadmissibleStateError(f"the field {name!r} is not finite at t = {time:.4g}", time=time)
+    effort.add("processes", began)
+    state = state.updated(time, **fields)
+    potentials = tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
+    x = _predicted(potentials, progress, dt)
+    found = minimiser.minimise(potentials, x)
+    for potential in potentials:
+        state = state.updated(**potential.finish(found.x))
+    state = state.updated(displacement=found.x.reshape(-1, 2).T.copy())
+    numbers = {
+        **_numbers(found, time, dt),
+        "newton_iterations": effort.iterations - iterations,
+        "factorizations": effort.factorizations - factorizations,
+        "seconds": perf_counter() - began,
+    }
+    for potential in potentials:
+        numbers |= potential.measure(found.x)
+    return Step(state, numbers, potentials, dict(effort.seconds))
+
+
+def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
+    """Return the displacement continued along the last step where that is admissible, else the last one."""
+    x = progress.state["displacement"].T.ravel()
+    if progress.previous is None:
+        return x
+    ahead = (x - progress.previous.T.ravel()) * (dt / progress.previous_dt)
+    if min(p.largest_step(x, ahead) for p in potentials) < 1.0:
+        return x
+    guess = x + ahead
+    before, after = (sum(e.energy if e else np.inf for e in (p.evaluate(at) for p in potentials)) for at in (x, guess))
+    return guess if after <= before else x
+
+
+def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:
+    return {
+        "time": time, "step": dt, "energy": found.energy, "residual": found.residual, "stable": float(found.stable),
+    }
+
+
+def _stopped(state: State, until: float, reason: str, cause: SolveError | None) -> NotConvergedError:
+    residual = cause.residual if cause is not None else float("nan")
+    return NotConvergedError(
+        f"The march stopped at t = {state.time:.6g} of {until:g}: {reason} (residual {residual:.2g}). The last good "
+        "state is kept. Try smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
+        time=state.time, residual=residual,
+    )

@@ -1,0 +1,149 @@
+"""Newton's method for the minimum of a sum of potentials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Evaluation, NotConvergedError, Potential
+from .linear import Gatherer, NotPositiveDefinite, Solver, solver_for
+
+Array = NDArray[np.float64]
+
+CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
+ARMIJO = 1e-4
+SHORTEST = 2.0**-30
+
+
+@dataclass
+class Effort:
+    """What was spent: iterations, factorisations, and seconds by kind of work."""
+
+    iterations: int = 0
+    factorizations: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def add(self, part: str, since: float) -> float:
+        """Book the time since `since` to a part of the work and return the present time."""
+        now = perf_counter()
+        self.seconds[part] = self.seconds.get(part, 0.0) + now - since
+        return now
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A minimum: displacement (2 n_nodes,), energy, relative residual, and whether the tangent was positive."""
+
+    x: Array
+    energy: float
+    residual: float
+    stable: bool
+
+
+class Minimiser:
+    """Minimises sums of potentials over the free degrees of freedom; keeps patterns and factorisations."""
+
+    def __init__(self, n_dofs: int, fixed: NDArray[np.int64], tolerance: float, iterations: int) -> None:
+        self.gatherer = Gatherer(n_dofs, fixed)
+        self.tolerance, self.iterations = tolerance, iterations
+        self.effort = Effort()
+        self._solver: Solver | None = None
+        self._solver_pattern: object = None
+        self._level = 0
+
+    def minimise(self, potentials: Sequence[Potential], x: Array) -> Equilibrium:
+        """Return the equilibrium reached from x.
+
+        Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
+        """
+        at = _evaluate(potentials, x)
+        if at is None:
+            raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
+        stable = False
+        for iteration in range(self.iterations + 1):
+            begin = perf_counter()
+            slope, residual = self._slope(at)
+            self.effort.add("forces", begin)
+            if not np.isfinite(residual):
+                raise NotConvergedError("the forces are not finite", residual=residual)
+            if residual <= self.tolerance and iteration > 0:
+                return Equilibrium(x, sum(e.energy for e in at), residual, stable)
+            if iteration == self.iterations:
+                break
+            direction, stable = self._direction(at, slope)
+            x, at = self._search(potentials, x, at, slope, direction, residual)
+            self.effort.iterations += 1
+        raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
+
+    def _slope(self, at: list[Evaluation]) -> tuple[Array, float]:
+        parts = [e.gradient() for e in at]
+        slope = sum(g for g, _ in parts)[self.gatherer.free]  # type: ignore[index]
+        scale = np.sqrt(sum(s for _, s in parts))
+        return slope, float(np.linalg.norm(slope) / scale) if scale > 0 else float(np.linalg.norm(slope))
+
+    def _direction(self, at: list[Evaluation], slope: Array) -> tuple[Array, bool]:
+        """Return the Newton direction (all unknowns) and whether the true Hessian was positive definite."""
+        for level in range(max(0, self._level - 1), len(CONVEXITY)):
+            begin = perf_counter()
+            pattern, values = self.gatherer.gather([e.hessian(CONVEXITY[level]) for e in at if e.curved])
+            begin = self.effort.add("tangents", begin)
+            if pattern is not self._solver_pattern:
+                self._solver, self._solver_pattern = solver_for(pattern), pattern
+                begin = self.effort.add("orderings", begin)
+            assert self._solver is not None
+            self.effort.factorizations += 1
+            try:
+                self._solver.factorize(values)
+            except NotPositiveDefinite:
+                continue
+            else:
+                self._level = level
+                step = -self._solver.solve(slope)
+                missing = pattern.times(values, step) + slope
+                if np.linalg.norm(missing) > 1e-10 * np.linalg.norm(slope):
+                    step -= self._solver.solve(missing)
+                direction = np.zeros(len(self.gatherer._number))
+                direction[self.gatherer.free] = step
+                return direction, level == 0
+            finally:
+                self.effort.add("factorisations", begin)
+        self._level = 0
+        raise NotConvergedError("no convex approximation of the tangent is positive definite")
+
+    def _search(
+        self, potentials: Sequence[Potential], x: Array, at: list[Evaluation], slope: Array, direction: Array,
+        residual: float,
+    ) -> tuple[Array, list[Evaluation]]:
+        """Return the next configuration: the longest admissible step that lowers the energy enough."""
+        begin = perf_counter()
+        energy = sum(e.energy for e in at)
+        decrease = float(slope @ direction[self.gatherer.free])
+        if not decrease <= 0:
+            raise NotConvergedError("the Newton direction leads uphill", residual=residual)
+        step = min(p.largest_step(x, direction) for p in potentials)
+        begin = self.effort.add("step bounds", begin)
+        # near the minimum the energy's last digits hide the decrease; allow for them
+        noise = 1e-14 * sum(abs(e.energy) for e in at)
+        while step > SHORTEST:
+            trial = x + step * direction
+            there = _evaluate(potentials, trial)
+            if there is not None and sum(e.energy for e in there) <= energy + ARMIJO * step * decrease + noise:
+                self.effort.add("line searches", begin)
+                return trial, there
+            step *= 0.5
+        raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
+
+
+def _evaluate(potentials: Sequence[Potential], x: Array) -> list[Evaluation] | None:
+    """Return all evaluations at x, or None where one is not admissible."""
+    found = []
+    for potential in potentials:
+        at = potential.evaluate(x)
+        if at is None or not np.isfinite(at.energy):
+            return None
+        found.append(at)
+    return found

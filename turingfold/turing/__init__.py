@@ -1,0 +1,1 @@
+"""Turing systems on the cortical band: kinetics, instability, integrators, steady states."""

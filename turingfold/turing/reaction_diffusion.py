@@ -1,0 +1,159 @@
+"""A reaction–diffusion system on a triangle mesh: M ∂w/∂t = M f(w) − D K w with zero flux.
+
+w holds u and v at the nodes, shape (2, n_nodes); M and K are mass and stiffness. Reactions are evaluated at the
+nodes and interpolated, so that their Jacobian is M times a diagonal and uniform states react exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, diags_array, kron
+from scipy.sparse.linalg import SuperLU, splu
+from skfem import Basis, ElementTriP1, ElementTriP2, MeshTri1, MeshTri2
+from skfem.models.poisson import laplace, mass
+
+from ..checks import finite_array, positive
+from .kinetics import Array, Kinetics
+
+Integers = NDArray[np.int64]
+Solver = Callable[[Array], Array]
+
+
+def factorised(matrix: csc_array) -> SuperLU:
+    """Factorise a sparse matrix of symmetric pattern."""
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options={"SymmetricMode": True})
+
+
+@dataclass(frozen=True, eq=False)
+class Discretisation:
+    """Mass and stiffness of scalar finite elements on a mesh.
+
+    nodes: positions (2, n_nodes).  mass, stiffness: (n_nodes, n_nodes), of one pattern.
+    edge: of the equilateral triangle as large as the largest element, same unit as the nodes.
+    degree: of the elements, 1 or 2.
+    """
+
+    nodes: Array
+    mass: csc_array
+    stiffness: csc_array
+    edge: float
+    degree: int
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return self.nodes.shape[1]
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integral of each shape function, shape (n_nodes,); their sum is the area."""
+        return np.asarray(self.mass.sum(axis=0)).ravel()
+
+    @property
+    def area(self) -> float:
+        """Area of the mesh."""
+        return float(self.weights.sum())
+
+    def mean(self, values: Array) -> Array:
+        """Return the mean over the area of nodal values, shape (..., n_nodes) to (...)."""
+        return np.asarray(values @ self.weights / self.area)
+
+    @cached_property
+    def columns(self) -> Integers:
+        """Column of each stored entry of the matrices, shape (n_entries,)."""
+        return np.repeat(np.arange(self.size), np.diff(self.mass.indptr))
+
+    @cached_property
+    def _coupled(self) -> tuple[csc_array, Integers]:
+        # pattern of the two-species matrix, unknowns interleaved node by node, and where each of its entries
+        # is found in the four blocks uu, uv, vu, vv laid end to end
+        count = self.mass.nnz
+        numbers = csc_array((np.arange(1, count + 1), self.mass.indices, self.mass.indptr), shape=self.mass.shape)
+        offsets = np.array([[0, count], [2 * count, 3 * count]])
+        pattern = csc_array(kron(numbers, np.ones((2, 2), dtype=int), format="csc"))
+        pattern.sort_indices()
+        columns = np.repeat(np.arange(2 * self.size), np.diff(pattern.indptr))
+        take = pattern.data - 1 + offsets[pattern.indices % 2, columns % 2]
+        return pattern, take.astype(np.int64)
+
+    def coupled(self, blocks: tuple[Array, Array, Array, Array]) -> csc_array:
+        """Return the matrix of both species, unknowns u₀ v₀ u₁ v₁ ..., from the entries of its four blocks."""
+        pattern, take = self._coupled
+        values = np.concatenate(blocks)[take]
+        return csc_array((values, pattern.indices, pattern.indptr), shape=pattern.shape)
+
+
+def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Discretisation:
+    """Assemble mass and stiffness on a triangle mesh.
+
+    degree: 1 for linear elements on the straight triangles, 2 for isoparametric quadratic ones.
+    lumped: put the mass of linear elements on the diagonal, which keeps concentrations positive where no
+    triangle is obtuse.
+    """
+    if degree not in (1, 2):
+        raise ValueError(f"degree={degree!r} must be 1 or 2.")
+    if lumped and degree == 2:
+        raise ValueError("lumped=True needs degree=1: lumped quadratic elements have no mass at the vertices.")
+    if degree == 1:
+        basis = Basis(MeshTri1(mesh.p, mesh.t, validate=False), ElementTriP1(), intorder=2)
+        nodes = np.asarray(mesh.p, dtype=float)
+    else:
+        curved = mesh if isinstance(mesh, MeshTri2) else MeshTri2.from_mesh(mesh)
+        basis = Basis(curved, ElementTriP2(), intorder=6)  # exact for the mass on curved triangles
+        nodes = np.asarray(curved.doflocs, dtype=float)
+    matrix = mass.assemble(basis)
+    if lumped:
+        matrix = diags_array(np.asarray(matrix.sum(axis=0)).ravel())
+    both = csc_array(matrix + 1j * laplace.assemble(basis))  # one sum, one pattern
+    both.sort_indices()
+    parts = [csc_array((part.copy(), both.indices, both.indptr)) for part in (both.data.real, both.data.imag)]
+    largest = float(np.abs(basis.dx.sum(axis=1)).max())
+    edge = float(np.sqrt(4 * largest / np.sqrt(3)))
+    return Discretisation(nodes, parts[0], parts[1], edge, degree)
+
+
+@dataclass(frozen=True, eq=False)
+class ReactionDiffusion:
+    """Two morphogens on a discretised mesh, in units of the kinetics' time; diffusivities in mesh units² / time."""
+
+    space: Discretisation
+    kinetics: Kinetics
+    d_u: float
+    d_v: float
+
+    def __post_init__(self) -> None:
+        """Check the diffusivities."""
+        positive("d_u", self.d_u)
+        positive("d_v", self.d_v)
+
+    def uniform(self, u: float, v: float) -> Array:
+        """Return a uniform state, shape (2, n_nodes)."""
+        return np.repeat([[u], [v]], self.space.size, axis=1)
+
+    def check(self, state: Array) -> Array:
+        """Return the state as an array if it has two finite values per node."""
+        return finite_array("state (u, v)", state, (2, self.space.size))
+
+    def rate(self, state: Array) -> Array:
+        """Return M f(w) − D K w, the rate of change times the mass; shape (2, n_nodes)."""
+        reaction = np.stack(self.kinetics.rates(*state))
+        spread = np.stack([self.d_u * state[0], self.d_v * state[1]])
+        return np.asarray((self.space.mass @ reaction.T - self.space.stiffness @ spread.T).T)
+
+    def matrix(self, state: Array, shift: complex = 0.0) -> csc_array:
+        """Return shift·M − ∂rate/∂w, the unknowns in the order u₀ v₀ u₁ v₁ ..."""
+        space, at = self.space, self.space.columns
+        m, k = space.mass.data, space.stiffness.data
+        p_u, p_v, q_u, q_v = (slope[at] for slope in self.kinetics.derivatives(*state))
+        uu, vv = m * (shift - p_u) + self.d_u * k, m * (shift - q_v) + self.d_v * k
+        return space.coupled((uu, -m * p_v, -m * q_u, vv))
+
+    def solver(self, state: Array, shift: float = 0.0) -> Solver:
+        """Factorise shift·M − ∂rate/∂w; the function returned maps (2, n_nodes) to (2, n_nodes)."""
+        factors = factorised(self.matrix(state, shift))
+        return lambda right: factors.solve(right.T.ravel()).reshape(-1, 2).T

@@ -1,0 +1,142 @@
+"""Adaptive linearly implicit (Rosenbrock) integration of the coupled system: one factorisation a step.
+
+Stage i of a step h from w solves (M/(hγ) − J) U_i = F(w + Σ a_ij U_j) + M Σ c_ij U_j / h, and the step ends at
+w + Σ m_i U_i. Theory: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), chapter IV.7.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..checks import positive
+from ..scene import NotConvergedError
+from .kinetics import Array
+from .reaction_diffusion import ReactionDiffusion
+
+
+@dataclass(frozen=True, eq=False)
+class Tableau:
+    """Coefficients: `alpha` strictly lower, `gamma` lower with one diagonal value, weights and embedded weights."""
+
+    order: int
+    alpha: Array
+    gamma: Array
+    weights: Array
+    embedded: Array
+
+    @cached_property
+    def transformed(self) -> tuple[float, Array, Array, Array, Array]:
+        """Diagonal γ, a = αΓ⁻¹, c = I/γ − Γ⁻¹, m = bΓ⁻¹ and the difference m − m̂ of the two weights."""
+        inverse = np.linalg.inv(self.gamma)
+        diagonal = float(self.gamma[0, 0])
+        c = np.tril(np.eye(len(inverse)) / diagonal - inverse, -1)
+        return diagonal, self.alpha @ inverse, c, self.weights @ inverse, (self.weights - self.embedded) @ inverse
+
+
+def _lower(diagonal: float, rows: tuple[tuple[float, ...], ...]) -> Array:
+    matrix = diagonal * np.eye(len(rows) + 1)
+    for i, row in enumerate(rows, start=1):
+        matrix[i, : len(row)] = row
+    return matrix
+
+
+# ROS34PW2: Rang, Angermann (2005) BIT 45:761, order 3, L-stable, keeps its order with an inexact Jacobian
+ROS34PW2 = Tableau(
+    order=3,
+    alpha=_lower(
+        0.0, ((8.7173304301691801e-01,), (8.4457060015369423e-01, -1.1299064236484185e-01), (0.0, 0.0, 1.0))
+    ),
+    gamma=_lower(
+        4.3586652150845900e-01,
+        (
+            (-8.7173304301691801e-01,),
+            (-9.0338057013044082e-01, 5.4180672388095326e-02),
+            (2.4212380706095346e-01, -1.2232505839045147, 5.4526025533510214e-01),
+        ),
+    ),
+    weights=np.array([2.4212380706095346e-01, -1.2232505839045147, 1.5452602553351020, 4.3586652150845900e-01]),
+    embedded=np.array(
+        [3.7810903145819369e-01, -9.6042292212423178e-02, 5.0000000000000000e-01, 2.1793326075422950e-01]
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """An accepted step: time, state (2, n_nodes), and the counts of steps and factorisations so far."""
+
+    time: float
+    state: Array
+    steps: int
+    factorizations: int
+
+
+def march(
+    system: ReactionDiffusion,
+    state: Array,
+    *,
+    until: float = math.inf,
+    tolerance: float = 1e-4,
+    floor: float | None = None,
+    first: float | None = None,
+    tableau: Tableau = ROS34PW2,
+) -> Iterator[Moment]:
+    """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
+
+    tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the largest
+    value of each species.  first: first step; default a tenth of the fastest reaction time.
+    Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
+    """
+    positive("tolerance", tolerance, at_most=0.5)
+    state = system.check(state)
+    reaction_time = 1 / max(float(np.abs(slope).max()) for slope in system.kinetics.derivatives(*state))
+    step = 0.1 * reaction_time if first is None else positive("first", first)
+    time, steps, factorizations, growth = 0.0, 0, 0, 5.0
+    while time < until:
+        last = time + step >= until * (1 - 1e-12)
+        step = until - time if last else step
+        candidate, error = _step(system, state, step, tableau, tolerance, floor)
+        factorizations += 1
+        factor = 0.9 * max(error, 1e-8) ** (-1 / tableau.order) if math.isfinite(error) else 0.1
+        if error <= 1.0:
+            time, state, steps = until if last else time + step, candidate, steps + 1
+            yield Moment(time, state, steps, factorizations)
+            step, growth = step * min(growth, max(0.2, factor)), 5.0
+        else:
+            step, growth = step * max(0.1, min(0.9, factor)), 1.0
+        if step < 1e-12 * reaction_time:
+            raise NotConvergedError(
+                f"the step of the reaction-diffusion run fell to {step:.3g} at time {time:.6g}, 1e-12 of the "
+                f"reaction time {reaction_time:.3g}: the kinetics blow up there; change parameters or start.",
+                time=time,
+            )
+
+
+def _step(
+    system: ReactionDiffusion, state: Array, step: float, tableau: Tableau, tolerance: float, floor: float | None
+) -> tuple[Array, float]:
+    diagonal, a, c, m, difference = tableau.transformed
+    solve = system.solver(state, 1 / (step * diagonal))
+    stages: list[Array] = []
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a step too long is refused below
+        for i in range(len(m)):
+            past = np.array(stages)
+            at = state + np.tensordot(a[i, :i], past, 1) if i else state
+            right = system.rate(at)
+            if i:
+                right = right + (system.space.mass @ np.tensordot(c[i, :i] / step, past, 1).T).T
+            if not np.isfinite(right).all():
+                return state, math.inf
+            stages.append(solve(right))
+        found = np.array(stages)
+        candidate = state + np.tensordot(m, found, 1)
+        size = np.maximum(np.abs(state), np.abs(candidate))
+        least = tolerance * size.max(axis=1, keepdims=True) if floor is None else floor
+        weighted = np.tensordot(difference, found, 1) / (tolerance * size + least + 1e-300)
+        error = float(np.sqrt(np.mean(weighted**2)))
+    return (candidate, error) if math.isfinite(error) else (state, math.inf)
