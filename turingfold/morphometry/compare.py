@@ -59,7 +59,7 @@ class Comparison:
             ratio = "-" if np.isnan(m.ratio) else f"{m.ratio:.3f}"
             rows.append((f"{m.name}, {m.unit}" if m.unit else m.name, f"{m.a:.4g}", f"{m.b:.4g}", ratio))
         widths = [max(len(row[k]) for row in rows) for k in range(4)]
-        template = "{:<%d}  {:>%d}  {:>%d}  {:>%d}" % tuple(widths)
+        template = f"{{:<{widths[0]}}}  " + "  ".join(f"{{:>{width}}}" for width in widths[1:])
         lines = [template.format(*row) for row in rows]
         shares = ", ".join(f"{value:.3f} (p = {p})" for p, value in self.similarity.items())
         return "\n".join([*lines, f"similarity  {shares}"])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import positive
-from .curve import Array, as_curve, signed_distance
+from .curve import Array, Curve, as_curve, signed_distance
 from .folds import find_folds
 
 
@@ -31,14 +31,54 @@ def signed_curvature(points: Any, *, closed: bool | None = None) -> Array:
     2 pi. The ends of an open curve, where nothing turns, have the values of their neighbours.
     """
     curve = as_curve(points, closed)
+    curvature = turning(curve) / curve.weights
+    if not curve.closed:
+        curvature = np.concatenate((curvature[1:2], curvature[1:-1], curvature[-2:-1]))
+    return np.asarray(curvature)
+
+
+def turning(curve: Curve) -> Array:
+    """Return the turning angle (n,) at each point, positive where the body is convex; 0 at open ends."""
     ahead = curve.segments
     behind = np.roll(ahead, 1, axis=1)
     turn = np.arctan2(behind[0] * ahead[1] - behind[1] * ahead[0], np.sum(behind * ahead, axis=0))
-    length = (curve.lengths + np.roll(curve.lengths, 1)) / 2
-    curvature = curve.orientation * turn / length
-    if not curve.closed:
-        curvature = np.concatenate((curvature[1:2], curvature[1:], curvature[-1:]))
-    return np.asarray(curvature)
+    turn = curve.orientation * turn
+    return turn if curve.closed else np.concatenate(([0.0], turn[1:], [0.0]))
+
+
+def mean_curvature(curve: Curve, s: Array, width: float) -> Array:
+    """Return the curvature (m,), 1/m, around fractions s (m,) of the arc, weighted 1 - |distance| / width.
+
+    Second difference over +-width, m, of the integral of the tangent angle, which is interpolated between
+    the middles of the segments: features and noise much shorter than the width are not seen. Open ends are
+    mirrors.
+    """
+    at, angle = _tangent(curve)
+    slope = np.diff(angle) / np.diff(at)
+    integral = np.concatenate(([0.0], np.cumsum(np.diff(at) * (angle[1:] + angle[:-1]) / 2)))
+
+    def integrated(x: Array) -> Array:
+        k = np.clip(np.searchsorted(at, x) - 1, 0, slope.size - 1)
+        return np.asarray(integral[k] + angle[k] * (x - at[k]) + slope[k] * (x - at[k]) ** 2 / 2)
+
+    x = s * curve.length
+    return (integrated(x + width) - 2 * integrated(x) + integrated(x - width)) / width**2
+
+
+def _tangent(curve: Curve) -> tuple[Array, Array]:
+    """Return the tangent angle at arc lengths on the curve and on its continuation at either end."""
+    turn = turning(curve)
+    at = curve.arc[: curve.lengths.size] + curve.lengths / 2
+    angle = np.cumsum(turn)[: at.size]
+    if curve.closed:
+        shifts = np.array([[-1.0], [0.0], [1.0]])
+        return (at + shifts * curve.length).ravel(), (angle + shifts * turn.sum()).ravel()
+    first = angle[0] - turn[1] * at[0] / (at[1] - at[0])
+    last = angle[-1] + turn[-2] * (curve.length - at[-1]) / (at[-1] - at[-2])
+    return (
+        np.concatenate((-at[::-1], at, 2 * curve.length - at[::-1])),
+        np.concatenate((2 * first - angle[::-1], angle, 2 * last - angle[::-1])),
+    )
 
 
 def shape_index(points: Any, thickness: float, *, closed: bool | None = None) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..checks import positive, whole
 from .curve import FEWEST_POINTS, Array, Curve, Integers, as_curve, fractions, spline_points
-from .shape import shape_index
+from .shape import mean_curvature
 
 THICKNESS = 0.1  # default cortical thickness over the radius of the body (ferret, R/T = 10)
 LANDMARK_WEIGHT = 10.0  # Choi et al. 2025
@@ -52,7 +52,8 @@ def similarity(
     The samples of a are at equal steps of its arc, those of b where `arc_length_map` puts them; without
     landmarks they are at equal steps too, and those of an outline start where the indices agree best.
     thickness T, m, of I = (2/pi) atan(kappa T): by default 0.1 of the radius of each body, so that s does
-    not depend on scale.  p: 1, 2, inf, or any number above 1.  Source: Choi et al. 2025, with curvature in the plane for the index on a surface.
+    not depend on scale; curvature is averaged over +-T/2 of arc.  p: 1, 2, inf, or any number above 1.
+    Source: Choi et al. 2025, with curvature in the plane for the index on a surface.
     """
     a, b = _pair(points_a, points_b, closed)
     s = fractions(whole("samples", samples, at_least=FEWEST_POINTS), a.closed)
@@ -103,8 +104,8 @@ def _counter_clockwise(curve: Curve) -> Curve:
 
 
 def _index(curve: Curve, s: Array, thickness: float | None) -> Array:
-    depth = THICKNESS * curve.radius if thickness is None else thickness
-    return shape_index(spline_points(_counter_clockwise(curve), s), depth, closed=curve.closed)
+    T = THICKNESS * curve.radius if thickness is None else positive("thickness", thickness)
+    return np.asarray(2 / np.pi * np.arctan(mean_curvature(_counter_clockwise(curve), s, T / 2) * T))
 
 
 def _shifted(a: Array, b: Array) -> Array:
