@@ -219,8 +219,17 @@ class Body:
 
     @cached_property
     def fixed(self) -> Integers:
-        """Fixed degrees of freedom 2·node + component; a free body is held at three, which carry no force."""
-        dofs = set()
+        """Fixed degrees of freedom 2·node + component, with those that only hold a free body in place.
+
+        What holds it carries no force, as all static loads balance.
+        """
+        dofs = set(self.supported.tolist())
+        return np.array(sorted(dofs | self._holds(dofs)), dtype=np.int64)
+
+    @cached_property
+    def supported(self) -> Integers:
+        """Degrees of freedom 2·node + component that base and mirror prevent."""
+        dofs: set[int] = set()
         if self.base == "clamped":
             nodes = self.boundary_path("base")[0]
             dofs |= set(2 * nodes) | set(2 * nodes + 1)
@@ -230,7 +239,7 @@ class Body:
         if self.mirror:
             nodes = self.boundary_path("mirror")[0]
             dofs |= set(2 * nodes + self._normal_axis("mirror"))
-        return np.array(sorted(dofs | self._holds(dofs)), dtype=np.int64)
+        return np.array(sorted(dofs), dtype=np.int64)
 
     def _holds(self, dofs: set[int]) -> set[int]:
         # each rigid motion that nothing else prevents is prevented at one degree of freedom near the middle
@@ -289,10 +298,15 @@ def _check_elements(mesh: MeshTri2) -> None:
         )
 
 
+def straight_mesh(points: Array, triangles: Integers) -> MeshTri1:
+    """Return straight triangles without letting scikit-fem reorder their corners."""
+    return MeshTri1(np.ascontiguousarray(points), np.ascontiguousarray(triangles), sort_t=False, validate=False)
+
+
 def _submesh(body: Body, elements: Integers) -> Band:
     mesh = body.mesh
     vertices, local = np.unique(mesh.t[:, elements], return_inverse=True)
-    part = MeshTri2.from_mesh(MeshTri1(mesh.p[:, vertices], local.reshape(3, -1), sort_t=False, validate=False))
+    part = MeshTri2.from_mesh(straight_mesh(mesh.p[:, vertices], local.reshape(3, -1)))
     ends = vertices[part.facets]
     facets = np.array([body._facet_of[a, b] for a, b in ends.T.tolist()])
     nodes = np.concatenate([vertices, mesh.nvertices + facets])

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from skfem import MeshTri1, MeshTri2
+from skfem import MeshTri2
 
-from .body import BASES, Body
+from .body import BASES, Body, straight_mesh
 from .checks import one_of, positive
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def half(body: Body) -> Body:
     if 2 * len(keep) != mesh.nelements or np.any(mesh.p[0][mesh.t[:, keep]] < -tolerance):
         raise ValueError("the mesh has triangles across x = 0; only a mirror-symmetric mesh can be halved.")
     vertices, local = np.unique(mesh.t[:, keep], return_inverse=True)
-    part = MeshTri2.from_mesh(MeshTri1(mesh.p[:, vertices], local.reshape(3, -1), sort_t=False, validate=False))
+    part = MeshTri2.from_mesh(straight_mesh(mesh.p[:, vertices], local.reshape(3, -1)))
     facets = np.array([body._facet_of[a, b] for a, b in vertices[part.facets].T.tolist()])
     points = mesh.doflocs[:, np.concatenate([vertices, mesh.nvertices + facets])].copy()
     points[0, np.abs(points[0]) < tolerance] = 0.0
@@ -210,25 +210,21 @@ def _mirrored(part: _Half) -> MeshTri2:
     on_axis = part.points[0] == 0.0
     image = np.where(on_axis, np.arange(n), n + np.cumsum(~on_axis) - 1)
     left = part.points[:, ~on_axis] * np.array([[-1.0], [1.0]])
-    points = np.ascontiguousarray(np.concatenate([part.points, left], axis=1))
+    points = np.concatenate([part.points, left], axis=1)
     triangles = np.stack([part.triangles, image[part.triangles][[0, 2, 1]]], axis=2)
-    triangles = np.ascontiguousarray(np.concatenate([triangles[:, :, 0], triangles[:, :, 1]], axis=1))
+    triangles = np.concatenate([triangles[:, :, 0], triangles[:, :, 1]], axis=1)
     gray = np.concatenate([np.arange(part.cortex), part.triangles.shape[1] + np.arange(part.cortex)])
-    straight = MeshTri1(points, triangles, sort_t=False, validate=False)
+    straight = straight_mesh(points, triangles)
     mesh = MeshTri2.from_mesh(straight)
     facet = {(int(p), int(q)): k for k, (p, q) in enumerate(straight.facets.T)}
     placed = mesh.doflocs.copy()
     for (p, q), (x, y) in part.middles.items():
-        placed[:, n_vertices(straight) + facet[p, q]] = x, y
+        placed[:, straight.nvertices + facet[p, q]] = x, y
         p, q = sorted((int(image[p]), int(image[q])))
-        placed[:, n_vertices(straight) + facet[p, q]] = -x, y
+        placed[:, straight.nvertices + facet[p, q]] = -x, y
     pial = {facet[p, q] for p, q in part.pial}
     pial |= {facet[tuple(sorted((int(image[p]), int(image[q]))))] for p, q in part.pial}  # type: ignore[index]
     base = set(straight.boundary_facets().tolist()) - pial
     boundaries = {"pial": np.array(sorted(pial)), "base": np.array(sorted(base))}
     return MeshTri2(placed, mesh.t, _boundaries=boundaries, _subdomains={"cortex": gray}, validate=False)
 
-
-def n_vertices(mesh: MeshTri1) -> int:
-    """Return the number of vertices."""
-    return int(mesh.p.shape[1])

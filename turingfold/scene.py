@@ -119,7 +119,7 @@ class Potential(Protocol):
         """Return a step in (0, 1] along `direction` that keeps the state admissible."""
 
     def finish(self, x: Array) -> dict[str, Array]:
-        """Return the fields that the next step needs beside the displacement, such as a velocity."""
+        """Return the fields that the next step needs, such as a velocity, or a displacement other than x."""
 
     def observe(self, x: Array) -> dict[str, Array]:
         """Return fields to look at, such as a stress."""
@@ -129,7 +129,12 @@ class Potential(Protocol):
 
 
 class Operator(Protocol):
-    """A term discretised on a body: everything that is computed once."""
+    """A term discretised on a body: everything that is computed once.
+
+    grounds: whether it resists rigid motions, so that a free body need not be held in place.
+    """
+
+    grounds: bool
 
     def during(self, state: State, dt: float) -> Potential | None:
         """Return the potential of the step that ends in `state`, or None if the term does nothing in it.

@@ -69,6 +69,8 @@ class AxonalTension:
 class TensionOperator:
     """Tension on one body: the curve it acts on and its integration points."""
 
+    grounds = False
+
     def __init__(self, body: Body, term: AxonalTension) -> None:
         self.body, self.term = body, term
         self.nodes = body.interface if term.surface == "interface" else body.pial

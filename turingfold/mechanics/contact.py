@@ -57,6 +57,8 @@ class SelfContact:
 class ContactOperator:
     """The collision mesh of one body. Distances inside ipctk are in units of the body's length."""
 
+    grounds = False
+
     def __init__(self, body: Body, term: SelfContact) -> None:
         self.unit = body.length
         self.nodes, edges, shortest = _boundary(body)

@@ -69,6 +69,8 @@ class Elastic:
 class ElasticOperator:
     """Elasticity on one body: shape function products and entry places, computed once."""
 
+    grounds = False
+
     def __init__(self, body: Body, mu: Array, kappa: Array) -> None:
         self.body, self.mu, self.kappa = body, mu, kappa
         slopes = body.quadrature.derivatives

@@ -67,9 +67,8 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     stepping, until = scene.stepping, scene.until
     started = perf_counter()
     operators = [term.on(scene.body) for term in scene.terms]
-    minimiser = Minimiser(
-        2 * scene.body.nodes.shape[1], scene.body.fixed, stepping.tolerance, stepping.iterations
-    )
+    held = scene.body.supported if any(operator.grounds for operator in operators) else scene.body.fixed
+    minimiser = Minimiser(2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations)
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
         if perf_counter() - started > stepping.seconds:
@@ -108,9 +107,8 @@ def _attempt(
     potentials = tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
     x = _predicted(potentials, progress, dt)
     found = minimiser.minimise(potentials, x)
-    for potential in potentials:
-        state = state.updated(**potential.finish(found.x))
-    state = state.updated(displacement=found.x.reshape(-1, 2).T.copy())
+    state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
+    end = state["displacement"].T.ravel()
     numbers = {
         **_numbers(found, time, dt),
         "newton_iterations": effort.iterations - iterations,
@@ -118,8 +116,18 @@ def _attempt(
         "seconds": perf_counter() - began,
     }
     for potential in potentials:
-        numbers |= potential.measure(found.x)
+        numbers |= potential.measure(end)
     return Step(state, numbers, potentials, dict(effort.seconds))
+
+
+def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> State:
+    """Return the state with what the potentials leave behind; they may end the step elsewhere than at x."""
+    for potential in potentials:
+        state = state.updated(**potential.finish(x))
+    onward = state["displacement"].T.ravel() - x
+    if onward.any() and min(p.largest_step(x, onward) for p in potentials) < 1.0:
+        raise InadmissibleStateError("the end of the step is not admissible", time=state.time)
+    return state
 
 
 def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
