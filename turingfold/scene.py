@@ -7,7 +7,7 @@ objects they return. Parts do not know each other: they meet in the state, by fi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
@@ -101,12 +101,14 @@ class Hessian:
     """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up.
 
     lasting: the two index arrays are the same objects each time, so that their places need be found only once.
+    room: rows and columns of entries that may come soon, asked for when places are made.
     """
 
     rows: Integers
     columns: Integers
     values: Array
     lasting: bool
+    room: Callable[[], tuple[Integers, Integers]] | None = None
 
 
 class Potential(Protocol):

@@ -66,8 +66,10 @@ class ContactOperator:
         self.rest = np.asfortranarray(np.concatenate([body.nodes[:, self.nodes].T, obstacles]) / self.unit)
         self.moving = len(self.nodes)
         all_edges = np.concatenate([edges, obstacle_edges]) if len(obstacle_edges) else edges
-        self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(all_edges.astype(np.int32)))
+        self.edges = all_edges.astype(np.int32)
+        self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(self.edges))
         self.dhat = term.gap * shortest / self.unit
+        self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
         # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units of distance
         self.scale = term.stiffness * term.modulus * self.unit**2
         self.barrier = ipctk.BarrierPotential(self.dhat, 1.0 / (4.33 * self.dhat**3))
@@ -172,7 +174,18 @@ class ContactEvaluation:
         own = len(operator.dofs)
         lower = tril(full[:own, :own]).tocoo()
         rows, columns = operator.dofs[lower.row], operator.dofs[lower.col]
-        return Hessian(rows, columns, lower.data * (operator.scale / operator.unit**2), lasting=False)
+        return Hessian(rows, columns, lower.data * (operator.scale / operator.unit**2), False, self._room)
+
+    def _room(self) -> tuple[Integers, Integers]:
+        """Return the entries of all pairs that could come into contact before long."""
+        operator = self.operator
+        near = ipctk.Candidates()
+        near.build(operator.mesh, self.positions, 0.5 * operator.reach)
+        pairs = [(c.vertex_id, *operator.edges[c.edge_id]) for c in near.ev_candidates]
+        vertices = np.array(pairs, dtype=np.int64).reshape(-1, 3)
+        vertices = vertices[(vertices < operator.moving).all(1)]
+        dofs = operator.dofs.reshape(-1, 2)[vertices].reshape(-1, 6)
+        return np.repeat(dofs, 6, axis=1), np.tile(dofs, 6)
 
 
 def _boundary(body: Body) -> tuple[Integers, Integers, float]:

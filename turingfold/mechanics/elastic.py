@@ -249,13 +249,14 @@ class ElasticEvaluation:
 
     def _add_negative_part(self, share: float, same: Array, mixed: Array, c1: Array, c2: Array) -> None:
         m, (a, b) = self.potential.metric, self._slopes
-        F = np.einsum("imqe,mkqe->ikqe", self.H, m.D)
+        F = np.stack([np.stack([(self.H[i] * m.D[:, k]).sum(0) for k in (0, 1)]) for i in (0, 1)])
         where, weights, vectors = negative_part(F, np.sqrt(m.out2), a, b, c1, c2)
-        if not len(where):
-            return
-        flat = m.weights.ravel()[where] * share
-        V = np.einsum("vikp,mkp->vimp", vectors, m.D.reshape(2, 2, -1)[:, :, where])
-        N = np.einsum("vp,vimp,vjnp->imjnp", weights * flat, V, V)
+        weights *= share * m.weights.ravel()[where]
+        D = m.D.reshape(2, 2, -1)[:, :, where]
+        pulled = [v[:, 0][:, None] * D[:, 0] + v[:, 1][:, None] * D[:, 1] for v in vectors]  # (i, m, p)
+        N = np.zeros((2, 2, 2, 2, len(where)))
+        for weight, V in zip(weights, pulled, strict=True):
+            N += (weight * V)[:, :, None, None] * V
         for i in (0, 1):
             for k, (p, r) in enumerate(((0, 0), (0, 1), (1, 1))):
                 same[i, k].ravel()[where] += N[i, p, i, r]

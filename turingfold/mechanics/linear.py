@@ -66,61 +66,81 @@ class Pattern:
 class Gatherer:
     """Adds the Hessians of all terms into one pattern over the free degrees of freedom.
 
-    The pattern is kept, and so is its symbolic factorisation, as long as it has a place for every entry; places
-    that contacts needed before stay in it until they outnumber the present ones.
+    The pattern is kept, and with it its symbolic factorisation, as long as it has a place for every entry.
+    A pattern that lacks one is replaced by one with room for entries expected soon.
     """
 
     def __init__(self, n_dofs: int, fixed: Integers) -> None:
         free = np.ones(n_dofs, dtype=bool)
         free[fixed] = False
-        self.free = np.flatnonzero(free)
+        self.n_dofs, self.free = n_dofs, np.flatnonzero(free)
         self._number = np.where(free, np.cumsum(free) - 1, -1)
-        self._lasting: dict[int, tuple[Hessian, Integers]] = {}
-        self._base = np.zeros(0, dtype=np.int64)
-        self._extra = np.zeros(0, dtype=np.int64)
-        self.pattern: Pattern | None = None
+        self._lasting: dict[int, tuple[Integers, Integers, Integers]] = {}  # rows, keys, slots by id(rows)
+        self._pattern: Pattern | None = None
 
     def gather(self, hessians: list[Hessian]) -> tuple[Pattern, Array]:
         """Return the pattern and the values of the sum of the Hessians."""
-        keys = [None if h.lasting and id(h.rows) in self._lasting else self._keys(h) for h in hessians]
-        self._make_room(hessians, keys)
-        pattern = self.pattern
-        assert pattern is not None
-        values = np.zeros(len(pattern.keys) + 1)  # the last place collects what belongs to fixed unknowns
-        for hessian, own in zip(hessians, keys, strict=True):
-            slots = self._slots(pattern, own) if own is not None else self._lasting[id(hessian.rows)][1]
-            if own is not None and hessian.lasting:
-                self._lasting[id(hessian.rows)] = hessian, slots
-            values += np.bincount(slots, hessian.values.ravel(), minlength=len(values))
-        return pattern, values[:-1]
+        slots = self._slots(hessians) if self._pattern is not None else None
+        if slots is None:
+            self._make_room(hessians)
+            slots = self._slots(hessians)
+        assert slots is not None and self._pattern is not None
+        values = np.zeros(len(self._pattern.keys) + 1)  # the last place collects what belongs to fixed unknowns
+        for hessian, places in zip(hessians, slots, strict=True):
+            values += np.bincount(places, hessian.values.ravel(), minlength=len(values))
+        return self._pattern, values[:-1]
 
-    def _keys(self, hessian: Hessian) -> Integers:
-        row, column = self._number[hessian.rows.ravel()], self._number[hessian.columns.ravel()]
+    def _keys(self, rows: Integers, columns: Integers) -> Integers:
+        row, column = self._number[rows.ravel()], self._number[columns.ravel()]
         key = np.minimum(row, column) * len(self.free) + np.maximum(row, column)
         key[(row < 0) | (column < 0)] = -1
         return key
 
-    def _make_room(self, hessians: list[Hessian], keys: list[Integers | None]) -> None:
-        lasting = [k for h, k in zip(hessians, keys, strict=True) if h.lasting and k is not None]
-        passing = [k for h, k in zip(hessians, keys, strict=True) if not h.lasting and k is not None]
-        wanted = np.unique(np.concatenate(passing)) if passing else self._extra[:0]
-        wanted = wanted[wanted >= 0]
-        if lasting:
-            self._base = np.union1d(self._base, np.concatenate(lasting))
-            self._base = self._base[self._base >= 0]
-        elif self.pattern is not None and np.isin(wanted, self.pattern.keys, assume_unique=True).all():
-            return
-        kept = self._extra if len(self._extra) < 4 * len(wanted) else self._extra[:0]
-        self._extra = np.union1d(kept, np.setdiff1d(wanted, self._base, assume_unique=True))
-        self.pattern = Pattern(len(self.free), np.union1d(self._base, self._extra))
-        for mark, (hessian, _) in list(self._lasting.items()):
-            self._lasting[mark] = hessian, self._slots(self.pattern, self._keys(hessian))
+    def _slots(self, hessians: list[Hessian]) -> list[Integers] | None:
+        """Return where the entries of each Hessian go, or None if the pattern lacks a place."""
+        found = []
+        for hessian in hessians:
+            known = self._lasting.get(id(hessian.rows))
+            if known is None:
+                if hessian.lasting:
+                    return None
+                slots = self._places(self._keys(hessian.rows, hessian.columns))
+                if slots is None:
+                    return None
+                found.append(slots)
+            else:
+                found.append(known[2])
+        return found
 
-    @staticmethod
-    def _slots(pattern: Pattern, keys: Integers) -> Integers:
-        slots = np.searchsorted(pattern.keys, keys)
-        slots[keys < 0] = len(pattern.keys)
+    def _places(self, keys: Integers) -> Integers | None:
+        assert self._pattern is not None
+        known = self._pattern.keys
+        slots = np.searchsorted(known, keys)
+        outside = keys < 0
+        if not (known[np.minimum(slots, len(known) - 1)] == keys)[~outside].all():
+            return None
+        slots[outside] = len(known)
         return slots
+
+    def _make_room(self, hessians: list[Hessian]) -> None:
+        """Build a pattern with a place for every entry, those seen before in lasting Hessians, and their room."""
+        wanted = [keys for _, keys, _ in self._lasting.values()]
+        for hessian in hessians:
+            if id(hessian.rows) in self._lasting:
+                continue
+            keys = self._keys(hessian.rows, hessian.columns)
+            wanted.append(keys)
+            if hessian.lasting:
+                self._lasting[id(hessian.rows)] = hessian.rows, keys, keys
+            elif hessian.room is not None:
+                wanted.append(self._keys(*hessian.room()))
+        keys = np.sort(np.concatenate(wanted))
+        first = np.concatenate([[True], keys[1:] != keys[:-1]])
+        self._pattern = Pattern(len(self.free), keys[first & (keys >= 0)])
+        for mark, (rows, keys, _) in list(self._lasting.items()):
+            slots = self._places(keys)
+            assert slots is not None
+            self._lasting[mark] = rows, keys, slots
 
 
 class Solver(Protocol):
@@ -141,8 +161,7 @@ class Cholmod:
 
         self._matrix, self._cholmod = matrix, cholmod
         cholmod.options["supernodal"] = 2
-        n = pattern.n
-        self._A = spmatrix(1.0, pattern.rows.tolist(), pattern.columns.tolist(), (n, n))
+        self._A = spmatrix(1.0, matrix(pattern.rows), matrix(pattern.columns), (pattern.n, pattern.n))
         self._factor = cholmod.symbolic(self._A)
 
     def factorize(self, values: Array) -> None:

@@ -106,7 +106,7 @@ class Minimiser:
                 missing = pattern.times(values, step) + slope
                 if np.linalg.norm(missing) > 1e-10 * np.linalg.norm(slope):
                     step -= self._solver.solve(missing)
-                direction = np.zeros(len(self.gatherer._number))
+                direction = np.zeros(self.gatherer.n_dofs)
                 direction[self.gatherer.free] = step
                 return direction, level == 0
             finally:
