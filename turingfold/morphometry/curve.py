@@ -91,15 +91,28 @@ class Curve:
         return np.where(spike, here, total) / np.where(spike, 1.0, norm)
 
     @cached_property
-    def outer(self) -> Curve:
-        """The taut outer path: the convex hull of an outline; with its two ends, of a pial surface.
+    def corners(self) -> Integers:
+        """Indices of the points on the convex hull, in the order of the curve, and of the ends if open."""
+        corners = np.sort(ConvexHull((self.points - self.points[:, :1]).T).vertices).astype(np.int64)
+        return corners if self.closed else np.union1d(corners, [0, self.size - 1])
 
-        Hull corners come in the order of the curve, so a straight cut across the base is never part of it.
+    @cached_property
+    def outer(self) -> Curve:
+        """The taut outer path through the corners: a straight cut across the base is never part of it."""
+        return Curve(self.points[:, self.corners], self.closed)
+
+    @cached_property
+    def depth(self) -> Array:
+        """Distance (n,) from each point to the side of the outer path that bridges it, m.
+
+        Not to the nearest side: a deep fold may come closer to the side of the body than to its own mouth.
         """
-        corners = np.sort(ConvexHull((self.points - self.points[:, :1]).T).vertices)
-        if not self.closed:
-            corners = np.union1d(corners, [0, self.size - 1])
-        return Curve(self.points[:, corners], self.closed)
+        side = np.searchsorted(self.corners, np.arange(self.size), side="right") - 1
+        start, span = self.points[:, self.corners], self.outer.segments
+        side = side % span.shape[1] if self.closed else np.minimum(side, span.shape[1] - 1)
+        offset = self.points - start[:, side]
+        along = np.clip(np.sum(offset * span[:, side], axis=0) / self.outer.lengths[side] ** 2, 0.0, 1.0)
+        return np.asarray(np.hypot(*(offset - along * span[:, side])))
 
     @property
     def radius(self) -> float:

@@ -3,7 +3,7 @@
 A sulcus is an inward excursion of the fold height by at least `prominence` against the crests on both
 sides. It is followed along the arc, never as a function of angle, so overhanging folds and touching walls
 count like any other. The height is the signed distance to a `reference` outline where one is given (then
-undulations of a still convex curve count too), else minus the distance to the taut outer path.
+undulations of a still convex curve count too), else minus the depth below the taut outer path.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ class Folds:
 
 
 def fold_height(points: Any, *, reference: Any = None, closed: bool | None = None) -> Array:
-    """Return the fold height (n,), m: signed distance to `reference` (2, m), or to the hull.
+    """Return the fold height (n,), m: signed distance to `reference` (2, m), or minus the hull depth.
 
-    Nothing lies outside the hull: there, heights are at most 0. That of a pial surface is its taut outer
-    path, from its first point round the body to its last.
+    Hull depth: distance to the side of the convex hull that bridges the fold; for a pial surface, of the
+    way from its first point round the hull to its last.
     """
     return _height(as_curve(points, closed), reference)
 
@@ -140,7 +140,7 @@ def wavelength_spectrum(
 
 def _height(curve: Curve, reference: Any) -> Array:
     if reference is None:
-        return -np.abs(signed_distance(curve.points, curve.outer))
+        return -curve.depth
     return signed_distance(curve.points, as_curve(reference, curve.closed, "reference"))
 
 
@@ -173,9 +173,14 @@ def _fundi(heights: Array, least: float) -> list[int]:
 
 
 def _middle(h: Array, first: int, last: int, extreme: int, slack: float) -> int:
-    """Return the middle of the plateau around h[extreme] between two indices."""
-    level = np.flatnonzero(np.abs(h[first : last + 1] - h[extreme]) <= slack)
-    return first + int(level[0] + level[-1]) // 2
+    """Return the middle of the plateau around h[extreme] between two indices.
+
+    The end of an open curve is taken for a mirror: a plateau that reaches it has its middle there.
+    """
+    level = first + np.flatnonzero(np.abs(h[first : last + 1] - h[extreme]) <= slack)
+    if level[0] == 0 or level[-1] == h.size - 1:
+        return 0 if level[0] == 0 else h.size - 1
+    return int(level[0] + level[-1]) // 2
 
 
 def _widths(curve: Curve, walk: Integers, h: Array, sides: list[tuple[tuple[int, int], int]]) -> Array:
