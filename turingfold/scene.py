@@ -168,7 +168,7 @@ class Stepping:
     """
 
     first: float = 1 / 45
-    largest: float = 1 / 45
+    largest: float = 1 / 20
     smallest: float = 1e-5
     tolerance: float = 1e-8
     iterations: int = 60

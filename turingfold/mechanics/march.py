@@ -131,14 +131,12 @@ def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> Stat
 
 
 def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
-    """Return the displacement continued along the last step where that is admissible, else the last one."""
+    """Return the displacement continued along the last step as far as admissible, if that lowers the energy."""
     x = progress.state["displacement"].T.ravel()
     if progress.previous is None:
         return x
     ahead = (x - progress.previous.T.ravel()) * (dt / progress.previous_dt)
-    if min(p.largest_step(x, ahead) for p in potentials) < 1.0:
-        return x
-    guess = x + ahead
+    guess = x + min(p.largest_step(x, ahead) for p in potentials) * ahead
     before, after = (sum(e.energy if e else np.inf for e in (p.evaluate(at) for p in potentials)) for at in (x, guess))
     return guess if after <= before else x
 
