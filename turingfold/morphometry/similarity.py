@@ -26,6 +26,7 @@ def arc_length_map(
 ) -> tuple[Array, Array]:
     """Return fractions of arc s (m,) on a and phi (m,) on b that correspond, both counted counter-clockwise.
 
+    They start at the first point of a curve given counter-clockwise, at the last of one given clockwise.
     phi minimises int (phi' - 1)^2 ds + weight sum_i (phi(a_i) - b_i)^2; the ends of open curves are kept.
     landmarks (k, 2): indices of corresponding points on a and on b. phi increases for any weight; on an
     outline it may leave [0, 1], whole numbers being the same point.
