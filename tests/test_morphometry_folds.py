@@ -5,7 +5,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms
 
-from turingfold.morphometry.curve import as_curve
 from turingfold.morphometry.folds import (
     find_folds,
     fold_count,
@@ -13,6 +12,7 @@ from turingfold.morphometry.folds import (
     sulcal_depth,
     wavelength_spectrum,
 )
+from turingfold.morphometry.polyline import as_polyline
 from turingfold.morphometry.walls import self_intersections
 
 steady = settings(derandomize=True, deadline=None, max_examples=20)
@@ -126,7 +126,7 @@ def test_spectrum_has_one_line_at_the_spacing_of_the_crests(arc, amplitude):
     k = int(part.argmax())
     assert k + 1 == 20
     assert part[k] > 0.95
-    assert waves[k] == pytest.approx(as_curve(points).outer.length / (20 if arc > 6 else 10))
+    assert waves[k] == pytest.approx(as_polyline(points).outer.length / (20 if arc > 6 else 10))
     assert not wavelength_spectrum(ellipse(1, 1), reference=ellipse(1, 1))[1].any()
 
 

@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms
 
-from turingfold.morphometry.curve import as_curve, perimeter
 from turingfold.morphometry.pattern import registration
+from turingfold.morphometry.polyline import as_polyline, perimeter
 from turingfold.morphometry.shape import cortical_thickness, gyrification_index, shape_index, signed_curvature
 from turingfold.morphometry.walls import mirror_error, self_intersections, wall_contact_length
 
@@ -79,7 +79,7 @@ def test_curvature_of_an_ellipse_converges_with_order_two():
 def test_curvature_turns_once_around_and_is_positive_outwards(step):
     points = mushrooms(7, 0.2)[:, ::step]
     curvature = signed_curvature(points)
-    assert np.sum(curvature * as_curve(points).weights) == pytest.approx(2 * np.pi, rel=1e-12)
+    assert np.sum(curvature * as_polyline(points).weights) == pytest.approx(2 * np.pi, rel=1e-12)
     arc = signed_curvature(ellipse(2, 2, 300, arc=np.pi)[:, ::step])
     np.testing.assert_allclose(arc, 0.5, rtol=1e-4)
 
@@ -160,7 +160,7 @@ def test_mirror_error():
 @pytest.mark.parametrize("height", [1.0, 0.74])
 def test_gyri_on_the_peaks_register_with_one(arc, height):
     rest, peaks = ellipse(1, height, 2400, arc), np.cos(20 * angles(2400, arc))
-    folded = rest + 0.05 * peaks * as_curve(rest).normals
+    folded = rest + 0.05 * peaks * as_polyline(rest).normals
     assert registration(peaks, folded, rest) > 0.999
     assert registration(0.5 - 3 * peaks, folded, rest) < -0.999
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .curve import Array, Curve, as_curve
 from .folds import Folds, find_folds, wavelength_spectrum
 from .fourier import ORDERS, reconstruction_error
+from .polyline import Array, Polyline, as_polyline
 from .shape import signed_curvature
 from .similarity import aligned, similarity
 from .walls import self_intersections
@@ -80,7 +80,7 @@ def compare(
     thickness, m, and landmarks (k, 2): as in `similarity`.  unit: what the coordinates are given in.
     Fourier errors are given at the orders that both have points enough for, two per harmonic.
     """
-    a, b = as_curve(points_a, closed, "points_a"), as_curve(points_b, closed, "points_b")
+    a, b = as_polyline(points_a, closed, "points_a"), as_polyline(points_b, closed, "points_b")
     shares = {
         str(p): similarity(a.points, b.points, p, thickness=thickness, landmarks=landmarks, closed=closed)
         for p in (1, 2, float("inf"))
@@ -101,7 +101,7 @@ def draw_comparison(
 ) -> None:
     """Draw both curves on `axes`, b moved and turned onto a (and scaled, if `scale`)."""
     curves = aligned(points_a, points_b, scale=scale, closed=closed)
-    given = (as_curve(points_a, closed), as_curve(points_b, closed))
+    given = (as_polyline(points_a, closed), as_polyline(points_b, closed))
     for points, curve, name, color in zip(curves, given, names, COLORS, strict=True):
         index, count = curve.length / curve.outer.length, _folds(curve).count
         label = f"{name}: gyrification {index:.2f}, {count} {'fold' if count == 1 else 'folds'}"
@@ -112,11 +112,11 @@ def draw_comparison(
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False)
 
 
-def _folds(curve: Curve) -> Folds:
+def _folds(curve: Polyline) -> Folds:
     return find_folds(curve.points, closed=curve.closed)
 
 
-def _measures(curve: Curve, unit: str) -> dict[tuple[str, str], float]:
+def _measures(curve: Polyline, unit: str) -> dict[tuple[str, str], float]:
     points, closed = curve.points, curve.closed
     folds = _folds(curve)
     waves, parts = wavelength_spectrum(points, closed=closed)

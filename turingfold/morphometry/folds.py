@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import positive
-from .curve import Array, Curve, Integers, as_curve, signed_distance
+from .polyline import Array, Integers, Polyline, as_polyline, signed_distance
 
 PROMINENCE = 0.005  # least depth of a sulcus over the radius of the body: some 0.05 to 0.08 of the thickness
 PLATEAU = 0.1  # heights closer than this part of the prominence are one crest or one floor
@@ -59,7 +59,7 @@ def fold_height(points: Any, *, reference: Any = None, closed: bool | None = Non
     Hull depth: distance to the side of the convex hull that bridges the fold; for a pial surface, of the
     way from its first point round the hull to its last.
     """
-    return _height(as_curve(points, closed), reference)
+    return _height(as_polyline(points, closed), reference)
 
 
 def find_folds(
@@ -70,7 +70,7 @@ def find_folds(
     Default: 0.005 of the radius of the body. Raises ValueError for a prominence that is not positive and
     for points that are no curve.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     least = PROMINENCE * curve.radius if prominence is None else positive("prominence", prominence)
     heights = _height(curve, reference)
     walk, along = _walk(curve, heights)
@@ -121,7 +121,7 @@ def wavelength_spectrum(
     cos(pi k s) with wave length 2H/k; H is the length of the outer path, so the wave length is the spacing
     of the crests and does not grow with the depth of the folds. All parts are 0 where the height is constant.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     count = max(256, 2 * curve.size)
     s = np.append(curve.arc, curve.length) if curve.closed else curve.arc
     h = _height(curve, reference)
@@ -138,13 +138,13 @@ def wavelength_spectrum(
     return waves, np.zeros_like(power) if flat else power / total
 
 
-def _height(curve: Curve, reference: Any) -> Array:
+def _height(curve: Polyline, reference: Any) -> Array:
     if reference is None:
         return -curve.depth
-    return signed_distance(curve.points, as_curve(reference, curve.closed, "reference"))
+    return signed_distance(curve.points, as_polyline(reference, curve.closed, "reference"))
 
 
-def _walk(curve: Curve, heights: Array) -> tuple[Integers, int]:
+def _walk(curve: Polyline, heights: Array) -> tuple[Integers, int]:
     """Return point indices along the curve and how many of them make one round.
 
     An outline starts on its highest point, which also ends the round, and goes on for three rounds: then no
@@ -183,7 +183,7 @@ def _middle(h: Array, first: int, last: int, extreme: int, slack: float) -> int:
     return int(level[0] + level[-1]) // 2
 
 
-def _widths(curve: Curve, walk: Integers, h: Array, sides: list[tuple[tuple[int, int], int]]) -> Array:
+def _widths(curve: Polyline, walk: Integers, h: Array, sides: list[tuple[tuple[int, int], int]]) -> Array:
     """Return the distances between the half-depth points of the walls that face away from each other."""
     points = curve.points[:, walk]
     down = [_half_way(points, h, a, floor) for (a, _), floor in sides]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import whole
-from .curve import Array, Curve, as_curve
+from .polyline import Array, Polyline, as_polyline
 
 ORDERS = (5, 15, 25)  # the orders of Choi et al. 2025
 
@@ -47,24 +47,24 @@ def fourier_descriptors(points: Any, order: int, *, closed: bool | None = None) 
     A pial surface is run through there and back, which leaves the terms in cos(pi k s) of its arc.
     Raises ValueError if order is not in 1 ... n/2, n the number of points.
     """
-    return _descriptors(_loop(as_curve(points, closed)), order)
+    return _descriptors(_loop(as_polyline(points, closed)), order)
 
 
 def reconstruction_error(points: Any, order: int, *, closed: bool | None = None) -> float:
     """Return the root mean square distance of points and reconstruction, over the body's radius."""
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     loop = _loop(curve)
     missed = _descriptors(loop, order).at(loop.arc / loop.length) - loop.points
     return float(np.sqrt(np.sum(loop.weights * np.sum(missed**2, axis=0)) / loop.length)) / curve.radius
 
 
-def _loop(curve: Curve) -> Curve:
+def _loop(curve: Polyline) -> Polyline:
     if curve.closed:
         return curve
-    return Curve(np.hstack((curve.points, curve.points[:, -2:0:-1])), closed=True)
+    return Polyline(np.hstack((curve.points, curve.points[:, -2:0:-1])), closed=True)
 
 
-def _descriptors(loop: Curve, order: int) -> EllipticFourier:
+def _descriptors(loop: Polyline, order: int) -> EllipticFourier:
     if whole("order", order, at_least=1) > loop.size // 2:
         raise ValueError(f"order={order} must be at most half the points, {loop.size // 2}; resample.")
     k = np.arange(1, order + 1)[:, None]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import finite_array, whole
-from .curve import Array, Curve, as_curve, signed_distance
+from .polyline import Array, Polyline, as_polyline, signed_distance
 
 UNMOVED = 1e-9  # fold height over the radius of the body below which there are no folds
 
@@ -24,8 +24,8 @@ def registration(
     trend = 0 leaves the plain correlation. 0 where the height has nothing but trend.
     Raises ValueError for shapes that do not match and for a pattern that is nothing but trend.
     """
-    rest = as_curve(reference, closed, "reference")
-    shape = as_curve(points, rest.closed)
+    rest = as_polyline(reference, closed, "reference")
+    shape = as_polyline(points, rest.closed)
     if shape.size != rest.size:
         raise ValueError(f"points are {shape.size} and reference {rest.size}; they must be the same nodes.")
     values = finite_array("pattern", pattern, (None,))
@@ -43,7 +43,7 @@ def registration(
     return float(np.sum(w * wave * height) / np.sqrt(np.sum(w * wave**2) * np.sum(w * height**2)))
 
 
-def _without_trend(values: Array, curve: Curve, trend: int) -> Array:
+def _without_trend(values: Array, curve: Polyline, trend: int) -> Array:
     """Return values minus their best slow trend, least squares weighted with length."""
     degree = whole("trend", trend, at_least=0)
     s = curve.arc / curve.length

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..checks import positive
-from .curve import Array, Curve, as_curve, signed_distance
 from .folds import find_folds
+from .polyline import Array, Polyline, as_polyline, signed_distance
 
 
 def gyrification_index(points: Any, *, initial: Any = None, closed: bool | None = None) -> float:
@@ -18,9 +18,9 @@ def gyrification_index(points: Any, *, initial: Any = None, closed: bool | None 
     The outer path of an outline is its convex hull; of a pial surface, the way from its first point round
     the hull to its last, without the base. With `initial` (2, m), the length over the length of that curve.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     if initial is not None:
-        return curve.length / as_curve(initial, curve.closed, "initial").length
+        return curve.length / as_polyline(initial, curve.closed, "initial").length
     return curve.length / curve.outer.length
 
 
@@ -30,14 +30,14 @@ def signed_curvature(points: Any, *, closed: bool | None = None) -> Array:
     Positive on gyri, whichever way the curve runs; over an outline the curvature times that length sums to
     2 pi. The ends of an open curve, where nothing turns, have the values of their neighbours.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     curvature = turning(curve) / curve.weights
     if not curve.closed:
         curvature = np.concatenate((curvature[1:2], curvature[1:-1], curvature[-2:-1]))
     return np.asarray(curvature)
 
 
-def turning(curve: Curve) -> Array:
+def turning(curve: Polyline) -> Array:
     """Return the turning angle (n,) at each point, positive where the body is convex; 0 at open ends."""
     ahead = curve.segments
     behind = np.roll(ahead, 1, axis=1)
@@ -46,7 +46,7 @@ def turning(curve: Curve) -> Array:
     return turn if curve.closed else np.concatenate(([0.0], turn[1:], [0.0]))
 
 
-def mean_curvature(curve: Curve, s: Array, width: float) -> Array:
+def mean_curvature(curve: Polyline, s: Array, width: float) -> Array:
     """Return the curvature (m,), 1/m, around fractions s (m,) of the arc, weighted 1 - |distance| / width.
 
     Second difference over +-width, m, of the integral of the tangent angle, which is interpolated between
@@ -65,7 +65,7 @@ def mean_curvature(curve: Curve, s: Array, width: float) -> Array:
     return (integrated(x + width) - 2 * integrated(x) + integrated(x - width)) / width**2
 
 
-def _tangent(curve: Curve) -> tuple[Array, Array]:
+def _tangent(curve: Polyline) -> tuple[Array, Array]:
     """Return the tangent angle at arc lengths on the curve and on its continuation at either end."""
     turn = turning(curve)
     at = curve.arc[: curve.lengths.size] + curve.lengths / 2
@@ -116,7 +116,7 @@ def cortical_thickness(
 
     Gyri and sulci are those of `find_folds` with the same options.
     """
-    curve = as_curve(pial, closed, "pial")
-    depth = np.abs(signed_distance(curve.points, as_curve(interface, curve.closed, "interface")))
+    curve = as_polyline(pial, closed, "pial")
+    depth = np.abs(signed_distance(curve.points, as_polyline(interface, curve.closed, "interface")))
     folds = find_folds(curve.points, prominence=prominence, reference=reference, closed=curve.closed)
     return Thickness(all=depth, gyri=depth[folds.gyri], sulci=depth[folds.sulci])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import positive, whole
-from .curve import FEWEST_POINTS, Array, Curve, Integers, as_curve, fractions, spline_points
+from .polyline import FEWEST_POINTS, Array, Integers, Polyline, as_polyline, fractions, spline_points
 from .shape import mean_curvature
 
 THICKNESS = 0.1  # default cortical thickness over the radius of the body (ferret, R/T = 10)
@@ -91,20 +91,20 @@ def aligned(
     return np.stack((z.real, z.imag)), np.stack((moved.real, moved.imag))
 
 
-def _pair(points_a: Any, points_b: Any, closed: bool | None) -> tuple[Curve, Curve]:
+def _pair(points_a: Any, points_b: Any, closed: bool | None) -> tuple[Polyline, Polyline]:
     """Return both curves; they must be both outlines or both open."""
-    a, b = as_curve(points_a, closed, "points_a"), as_curve(points_b, closed, "points_b")
+    a, b = as_polyline(points_a, closed, "points_a"), as_polyline(points_b, closed, "points_b")
     if a.closed != b.closed:
         kinds = ["a closed outline" if curve.closed else "an open curve" for curve in (a, b)]
         raise ValueError(f"points_a are {kinds[0]}, points_b {kinds[1]}; both must be of one kind.")
     return a, b
 
 
-def _counter_clockwise(curve: Curve) -> Curve:
+def _counter_clockwise(curve: Polyline) -> Polyline:
     return curve if curve.orientation > 0 else curve.reversed()
 
 
-def _index(curve: Curve, s: Array, thickness: float | None) -> Array:
+def _index(curve: Polyline, s: Array, thickness: float | None) -> Array:
     T = THICKNESS * curve.radius if thickness is None else positive("thickness", thickness)
     return np.asarray(2 / np.pi * np.arctan(mean_curvature(_counter_clockwise(curve), s, T / 2) * T))
 
@@ -120,7 +120,7 @@ def _shifted(a: Array, b: Array) -> Array:
     return np.interp(steps + k + part, steps, b, period=a.size)
 
 
-def _landmarks(landmarks: Any, a: Curve, b: Curve) -> tuple[Array, Array]:
+def _landmarks(landmarks: Any, a: Polyline, b: Polyline) -> tuple[Array, Array]:
     """Return the fractions of arc of the landmarks on a, increasing, and on b, unwrapped."""
     indices: Integers = np.asarray(landmarks)
     if indices.ndim != 2 or indices.shape[1] != 2 or indices.size == 0 or indices.dtype.kind not in "iu":
@@ -146,7 +146,7 @@ def _landmarks(landmarks: Any, a: Curve, b: Curve) -> tuple[Array, Array]:
     return at_a, at_b[0] + np.concatenate(([0.0], np.cumsum(gaps)))
 
 
-def _fraction(curve: Curve, indices: Integers) -> Array:
+def _fraction(curve: Polyline, indices: Integers) -> Array:
     forward = curve.arc[indices] / curve.length
     if curve.orientation > 0:
         return np.asarray(forward)
@@ -155,7 +155,7 @@ def _fraction(curve: Curve, indices: Integers) -> Array:
     return np.asarray(last - forward)
 
 
-def _mapped(s: Array, a: Curve, b: Curve, landmarks: tuple[Array, Array], weight: float) -> Array:
+def _mapped(s: Array, a: Polyline, b: Polyline, landmarks: tuple[Array, Array], weight: float) -> Array:
     """Return phi(s) = s + d(s), d linear between landmarks: a chain of springs, tied to the landmarks."""
     at_a, wanted = landmarks[0], landmarks[1] - landmarks[0]
     knots = np.append(at_a, at_a[0] + 1) if a.closed else np.concatenate(([0.0], at_a, [1.0]))

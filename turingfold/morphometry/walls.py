@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..checks import finite_array, positive
-from .curve import Array, Curve, Integers, as_curve
+from .polyline import Array, Integers, Polyline, as_polyline
 
 LONG = 4.0  # segments longer than this many medians are tested against all others
 OPPOSED = -0.5  # cosine between the normals of two walls that face each other
@@ -20,7 +20,7 @@ def self_intersections(points: Any, *, closed: bool | None = None) -> int:
     The points are first moved by 1e-12 of their extent (always the same way), so that a crossing through a
     vertex counts once; a contact closer than that may count as none or two.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     pairs = _near_pairs(curve)
     shift = np.random.default_rng(0).uniform(-1e-12, 1e-12, curve.points.shape)
     start = curve.points - curve.points.mean(axis=1, keepdims=True)
@@ -36,12 +36,13 @@ def wall_contact_length(points: Any, gap: float, *, closed: bool | None = None) 
     """Return the length of the curve, m, that faces another part of it at most `gap`, m, away.
 
     Both walls count. A point faces another where their normals are opposed by more than 120 degrees and the
-    other lies outside, within half a sampling step of the normal; the sampling step is the median segment.
+    other lies outside, within a sampling step (the median segment) of the normal.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     gap = positive("gap", gap)
     step = float(np.median(curve.lengths))
-    middle, normal, length = _samples(curve, step)
+    fine = curve.cut(step)
+    normal, middle = fine.segment_normals, fine.points[:, : fine.lengths.size] + fine.segments / 2
     pairs = cKDTree(middle.T).query_pairs(float(np.hypot(gap, step)), output_type="ndarray")
     pairs = pairs[np.sum(normal[:, pairs[:, 0]] * normal[:, pairs[:, 1]], axis=0) < OPPOSED]
     i, j = np.concatenate((pairs, pairs[:, ::-1])).T
@@ -49,7 +50,7 @@ def wall_contact_length(points: Any, gap: float, *, closed: bool | None = None) 
     away = np.sum(offset * normal[:, i], axis=0)
     aside = np.abs(offset[0] * normal[1, i] - offset[1] * normal[0, i])
     touching = np.unique(i[(away > 0) & (away <= gap) & (aside <= step)])
-    return float(length[touching].sum())
+    return float(fine.lengths[touching].sum())
 
 
 def mirror_error(points: Any) -> float:
@@ -64,7 +65,7 @@ def mirror_error(points: Any) -> float:
     return float(np.hypot(*(array - image)).max())
 
 
-def _near_pairs(curve: Curve) -> Integers:
+def _near_pairs(curve: Polyline) -> Integers:
     """Return pairs (k, 2) of segments that share no point and may cross."""
     m, lengths = curve.lengths.size, curve.lengths
     long = lengths > LONG * np.median(lengths)
@@ -81,12 +82,3 @@ def _near_pairs(curve: Curve) -> Integers:
 def _side(a: Array, b: Array, c: Array) -> Array:
     """Return on which side of the line a-b the points c lie."""
     return np.asarray((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0)
-
-
-def _samples(curve: Curve, step: float) -> tuple[Array, Array, Array]:
-    """Return middles (2, k), normals (2, k) and lengths (k,) of the segments, cut to at most `step`."""
-    pieces = np.ceil(curve.lengths / step).astype(int)
-    owner = np.repeat(np.arange(pieces.size), pieces)
-    part = np.arange(owner.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    middle = curve.points[:, owner] + curve.segments[:, owner] * ((part + 0.5) / pieces[owner])
-    return middle, curve.segment_normals[:, owner], curve.lengths[owner] / pieces[owner]

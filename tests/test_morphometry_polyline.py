@@ -4,10 +4,10 @@ import pytest
 from morphometry_shapes import ellipse, flower
 from scipy.special import ellipe
 
-from turingfold.morphometry.curve import as_curve, perimeter, resample, signed_distance
 from turingfold.morphometry.folds import find_folds, fold_count
 from turingfold.morphometry.fourier import fourier_descriptors
 from turingfold.morphometry.pattern import registration
+from turingfold.morphometry.polyline import as_polyline, perimeter, resample, signed_distance
 from turingfold.morphometry.shape import cortical_thickness, gyrification_index, shape_index
 from turingfold.morphometry.similarity import similarity
 from turingfold.morphometry.walls import self_intersections, wall_contact_length
@@ -62,9 +62,9 @@ def test_bad_options_are_refused(call, message):
 
 
 def test_open_or_closed_is_seen():
-    assert as_curve(CIRCLE).closed
-    assert not as_curve(ARC).closed
-    repeated = as_curve(np.hstack((CIRCLE, CIRCLE[:, :1])))
+    assert as_polyline(CIRCLE).closed
+    assert not as_polyline(ARC).closed
+    repeated = as_polyline(np.hstack((CIRCLE, CIRCLE[:, :1])))
     assert repeated.closed
     np.testing.assert_array_equal(repeated.points, CIRCLE)
 
@@ -78,7 +78,7 @@ def test_perimeter_of_an_ellipse_converges_with_order_two():
 
 @pytest.mark.parametrize("closed", [True, False])
 def test_weights_share_out_the_length(closed):
-    curve = as_curve(CIRCLE if closed else ARC, closed)
+    curve = as_polyline(CIRCLE if closed else ARC, closed)
     assert curve.weights.sum() == pytest.approx(curve.length, rel=1e-14)
     np.testing.assert_allclose(curve.arc, np.arange(100) * curve.lengths[0], rtol=1e-13)
 
@@ -87,14 +87,14 @@ def test_weights_share_out_the_length(closed):
 @pytest.mark.parametrize("step", [1, -1])
 def test_normals_point_out_whichever_way_the_curve_runs(arc, step):
     points = ellipse(1, 1, 101, arc)[:, ::step]
-    normals = as_curve(points).normals
+    normals = as_polyline(points).normals
     inner = slice(None) if arc > 6 else slice(1, -1)
     np.testing.assert_allclose(normals[:, inner], points[:, inner], atol=1e-12)
 
 
 def test_radius_is_that_of_the_disc_and_of_the_half_disc():
     for points in (ellipse(3, 3, 2000), ellipse(3, 3, 2000, arc=np.pi)):
-        assert as_curve(points).radius == pytest.approx(3, rel=1e-5)
+        assert as_polyline(points).radius == pytest.approx(3, rel=1e-5)
 
 
 @pytest.mark.parametrize("arc", [2 * np.pi, np.pi])
@@ -114,11 +114,11 @@ def test_distance_to_a_square_is_signed_and_exact():
     points = np.array([[1, 0.25], [1.1, 1], [5, 6], [-1, 1.3], [2, 1.3], [-3, -4]]).T
     expected = [-0.25, -0.9, 5, 1, 0, 5]
     for outline in (square, square[:, ::-1]):
-        np.testing.assert_allclose(signed_distance(points, as_curve(outline)), expected, atol=1e-14)
+        np.testing.assert_allclose(signed_distance(points, as_polyline(outline)), expected, atol=1e-14)
 
 
 def test_distance_to_a_concave_outline_agrees_with_all_segments():
-    curve = as_curve(flower(7, 0.3, 300))
+    curve = as_polyline(flower(7, 0.3, 300))
     points = np.random.default_rng(3).uniform(-1.5, 1.5, (2, 200))
     offset = points[:, :, None] - curve.points[:, None, :]
     along = np.clip((offset * curve.segments[:, None, :]).sum(0) / curve.lengths**2, 0, 1)

@@ -26,8 +26,8 @@ WIDEST_GAP = 5.0  # closing segment of an outline over its longest other segment
 COINCIDENT = 1e-12  # distance over extent below which two points are one
 
 
-@dataclass(frozen=True)
-class Curve:
+@dataclass(frozen=True, eq=False)
+class Polyline:
     """Checked points (2, n) of a polyline; a closed one does not repeat its first point."""
 
     points: Array
@@ -97,9 +97,9 @@ class Curve:
         return corners if self.closed else np.union1d(corners, [0, self.size - 1])
 
     @cached_property
-    def outer(self) -> Curve:
+    def outer(self) -> Polyline:
         """The taut outer path through the corners: a straight cut across the base is never part of it."""
-        return Curve(self.points[:, self.corners], self.closed)
+        return Polyline(self.points[:, self.corners], self.closed)
 
     @cached_property
     def depth(self) -> Array:
@@ -119,12 +119,20 @@ class Curve:
         """Size of the body, m: radius of the disc (pial surface: half disc) with the same outer path."""
         return self.outer.length / (2 * np.pi if self.closed else np.pi)
 
-    def reversed(self) -> Curve:
+    def reversed(self) -> Polyline:
         """Return the same curve, run through from its other end."""
-        return Curve(self.points[:, ::-1], self.closed)
+        return Polyline(self.points[:, ::-1], self.closed)
+
+    def cut(self, longest: float) -> Polyline:
+        """Return the same polyline with its segments cut into equal pieces no longer than `longest`, m."""
+        pieces = np.ceil(self.lengths / longest).astype(int)
+        owner = np.repeat(np.arange(pieces.size), pieces)
+        piece = np.arange(owner.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        points = self.points[:, owner] + self.segments[:, owner] * (piece / pieces[owner])
+        return Polyline(points if self.closed else np.hstack((points, self.points[:, -1:])), self.closed)
 
 
-def as_curve(points: Any, closed: bool | None = None, name: str = "points") -> Curve:
+def as_polyline(points: Any, closed: bool | None = None, name: str = "points") -> Polyline:
     """Return checked points (2, n) as a curve; a repeated first point at the end of an outline is dropped.
 
     Raises ValueError for a wrong shape, NaN, fewer than 8 points, points on one line, two equal points in
@@ -149,7 +157,7 @@ def as_curve(points: Any, closed: bool | None = None, name: str = "points") -> C
     spread = np.linalg.svd(array - array.mean(axis=1, keepdims=True), compute_uv=False)
     if spread[1] <= COINCIDENT * spread[0]:
         raise ValueError(f"{name} lie on one straight line; a curve around a body is needed.")
-    return Curve(array, closed)
+    return Polyline(array, closed)
 
 
 def _enough(array: Array, name: str) -> None:
@@ -169,7 +177,7 @@ def _check_ends(name: str, closed: bool, gap: float, longest: float, extent: flo
 
 def perimeter(points: Any, *, closed: bool | None = None) -> float:
     """Return the length of the curve, m."""
-    return as_curve(points, closed).length
+    return as_polyline(points, closed).length
 
 
 def resample(points: Any, count: int, *, closed: bool | None = None) -> Array:
@@ -177,7 +185,7 @@ def resample(points: Any, count: int, *, closed: bool | None = None) -> Array:
 
     An outline starts at its first point and does not repeat it; an open curve keeps both ends.
     """
-    curve = as_curve(points, closed)
+    curve = as_polyline(points, closed)
     return spline_points(curve, fractions(whole("count", count, at_least=FEWEST_POINTS), curve.closed))
 
 
@@ -186,7 +194,7 @@ def fractions(count: int, closed: bool) -> Array:
     return np.linspace(0.0, 1.0, count, endpoint=not closed)
 
 
-def spline_points(curve: Curve, where: Array) -> Array:
+def spline_points(curve: Polyline, where: Array) -> Array:
     """Return points (2, n) at fractions `where` of the arc length of the cubic spline through the curve."""
     from scipy.interpolate import CubicSpline
 
@@ -200,13 +208,13 @@ def spline_points(curve: Curve, where: Array) -> Array:
     return np.asarray(spline(np.interp(where * travelled[-1], travelled, fine)), dtype=float)
 
 
-def signed_distance(points: Array, curve: Curve) -> Array:
+def signed_distance(points: Array, curve: Polyline) -> Array:
     """Return the distance (n,) from points (2, n) to the curve, m; positive outside the body.
 
     The nearest vertex is found on a finely cut copy of the curve, then the point is projected on the two
     segments there; beside a vertex the sign is that of the mean normal.
     """
-    fine = _subdivided(curve, curve.length / max(FINE, 2 * curve.lengths.size))
+    fine = curve.cut(curve.length / max(FINE, 2 * curve.lengths.size))
     _, nearest = cKDTree(fine.points.T).query(points.T)
     last = fine.lengths.size - 1
     best = np.full(points.shape[1], np.inf)
@@ -223,14 +231,3 @@ def signed_distance(points: Array, curve: Curve) -> Array:
         best = np.where(closer, distance, best)
         sign = np.where(closer, np.where(np.sum(across * normal, axis=0) >= 0, 1.0, -1.0), sign)
     return best * sign
-
-
-def _subdivided(curve: Curve, longest: float) -> Curve:
-    """Return the same polyline with straight segments no longer than `longest`."""
-    pieces = np.ceil(curve.lengths / longest).astype(int)
-    owner = np.repeat(np.arange(pieces.size), pieces)
-    step = np.arange(owner.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    points = curve.points[:, owner] + curve.segments[:, owner] * (step / pieces[owner])
-    if not curve.closed:
-        points = np.hstack((points, curve.points[:, -1:]))
-    return Curve(points, curve.closed)
