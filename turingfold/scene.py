@@ -209,12 +209,17 @@ class Scene:
         whole("seed", self.seed, at_least=0)
         if not self.terms:
             raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")
-        written: set[str] = {"displacement"}
+        written = {"displacement", "stress_scale"}
         for part in self.processes:
             _written(part, part.reads, written)
             written |= set(part.writes)
         for term in self.terms:
             _written(term, term.reads, written)
+
+
+def stress_scale(terms: tuple[Term, ...]) -> float:
+    """Return the largest modulus that a term brings (its attribute `stress`), or 1 Pa; the unit of stress."""
+    return max((float(term.stress) for term in terms if hasattr(term, "stress")), default=1.0)
 
 
 def _of_type(name: str, value: Any, kind: type) -> None:

@@ -31,23 +31,21 @@ class SelfContact:
     """Barrier energy that keeps the boundary from touching itself: it acts below the distance dhat.
 
     gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or nodes
-    would be in contact from the start.  stiffness: traction, in units of the shear modulus `modulus` (Pa), at half
-    the distance dhat.
+    would be in contact from the start.  stiffness: traction at half the distance dhat, in units of the scene's
+    largest shear modulus.
     """
 
     gap: float = 0.4
     stiffness: float = 1.0
-    modulus: float = 500.0
 
     def __post_init__(self) -> None:
         positive("gap", self.gap, at_most=0.9, remedy="neighbouring nodes must not be in contact at rest")
         positive("stiffness", self.stiffness)
-        positive("modulus", self.modulus)
 
     @property
     def reads(self) -> tuple[str, ...]:
-        """No field."""
-        return ()
+        """The scale of stress."""
+        return ("stress_scale",)
 
     def on(self, body: Body) -> ContactOperator:
         """Return the term discretised on `body`."""
@@ -71,8 +69,7 @@ class ContactOperator:
         self.dhat = term.gap * shortest / self.unit
         self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
         # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units of distance
-        self.scale = term.stiffness * term.modulus * self.unit**2
-        self.barrier = ipctk.BarrierPotential(self.dhat, 1.0 / (4.33 * self.dhat**3))
+        self.barrier = ipctk.BarrierPotential(self.dhat, term.stiffness / (4.33 * self.dhat**3))
         dofs = 2 * np.repeat(self.nodes, 2)
         dofs[1::2] += 1
         self.dofs = dofs
@@ -105,18 +102,19 @@ class ContactOperator:
 
     def during(self, state: State, dt: float) -> ContactPotential:
         """Return the barrier; it does not change from step to step."""
-        return ContactPotential(self)
+        return ContactPotential(self, float(state["stress_scale"]) * self.unit**2)
 
 
 @dataclass(frozen=True)
 class ContactPotential:
-    """The barrier energy as a function of the displacement."""
+    """The barrier energy as a function of the displacement; `scale` is the unit of energy, J/m."""
 
     operator: ContactOperator
+    scale: float
 
     def evaluate(self, x: Array) -> ContactEvaluation:
         """Return energy and derivatives at x."""
-        return ContactEvaluation(self.operator, self.operator.positions(x))
+        return ContactEvaluation(self.operator, self.scale, self.operator.positions(x))
 
     def largest_step(self, x: Array, direction: Array) -> float:
         """Return nine tenths of the step at which parts of the boundary would first touch, at most 1."""
@@ -145,11 +143,11 @@ class ContactPotential:
 class ContactEvaluation:
     """Barrier energy at one configuration."""
 
-    def __init__(self, operator: ContactOperator, positions: Array) -> None:
-        self.operator, self.positions = operator, positions
+    def __init__(self, operator: ContactOperator, scale: float, positions: Array) -> None:
+        self.operator, self.scale, self.positions = operator, scale, positions
         self.collisions = operator.collisions(positions, operator.dhat)
         self.curved = not self.collisions.empty()
-        self.energy = operator.scale * float(operator.barrier(self.collisions, operator.mesh, positions))
+        self.energy = self.scale * float(operator.barrier(self.collisions, operator.mesh, positions))
 
     @cached_property
     def _forces(self) -> Array:
@@ -162,7 +160,7 @@ class ContactEvaluation:
         total = np.zeros(operator.n_dofs)
         if not self.curved:
             return total, 0.0
-        forces = self._forces[: len(operator.dofs)] * (operator.scale / operator.unit)
+        forces = self._forces[: len(operator.dofs)] * (self.scale / operator.unit)
         total[operator.dofs] = forces
         return total, float(forces @ forces)
 
@@ -174,7 +172,7 @@ class ContactEvaluation:
         own = len(operator.dofs)
         lower = tril(full[:own, :own]).tocoo()
         rows, columns = operator.dofs[lower.row], operator.dofs[lower.col]
-        return Hessian(rows, columns, lower.data * (operator.scale / operator.unit**2), False, self._room)
+        return Hessian(rows, columns, lower.data * (self.scale / operator.unit**2), False, self._room)
 
     def _room(self) -> tuple[Integers, Integers]:
         """Return the entries of all pairs that could come into contact before long."""

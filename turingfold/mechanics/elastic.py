@@ -31,7 +31,9 @@ LAYERS = ("sigmoid", "sharp")
 
 @dataclass(frozen=True, kw_only=True)
 class Elastic:
-    """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer; grows where a process writes growth.
+    """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer.
+
+    It grows where a process writes "growth", and "stiffness" multiplies its moduli where a process writes that.
 
     layers: "sharp" takes the moduli by element; "sigmoid" blends them by θ(y) = 1/(1 + exp(10 (y/T - 1))).
     Without `white` the whole body is gray.
@@ -49,8 +51,13 @@ class Elastic:
 
     @property
     def reads(self) -> tuple[str, ...]:
-        """No field is required; "growth" is used where it exists."""
+        """No field is required; "growth" and "stiffness" are used where they exist."""
         return ()
+
+    @property
+    def stress(self) -> float:
+        """The largest shear modulus, the scene's unit of stress; Pa."""
+        return max(self.gray.mu, self.white.mu if self.white else 0.0)
 
     def on(self, body: Body) -> ElasticOperator:
         """Return the term discretised on `body`."""
@@ -94,11 +101,13 @@ class ElasticOperator:
         return np.maximum(one, other), np.minimum(one, other)
 
     def during(self, state: State, dt: float) -> ElasticPotential:
-        """Return the elastic energy with the growth in `state`."""
+        """Return the elastic energy with the growth and stiffness in `state`."""
         growth = state.fields.get("growth")
         if self._grown is None or self._grown[0] is not growth:
             self._grown = growth, metric(self.body, growth)
-        return ElasticPotential(self, self._grown[1])
+        stiffness = state.fields.get("stiffness")
+        mu, kappa = (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
+        return ElasticPotential(self, self._grown[1], mu, kappa)
 
 
 @dataclass(frozen=True)
@@ -135,6 +144,8 @@ class ElasticPotential:
 
     operator: ElasticOperator
     metric: Metric
+    mu: Array
+    kappa: Array
 
     def stretch(self, x: Array) -> Array:
         """Return H = ∂x/∂ξ, shape (2, 2, q, e), of the displacement x (2 n_nodes,)."""
@@ -166,14 +177,14 @@ class ElasticPotential:
         at = self.evaluate(x)
         if at is None:
             return {}
-        operator, m = self.operator, self.metric
+        m = self.metric
         F = np.einsum("imqe,mkqe->ikqe", at.H, m.D)
         trace = at.I1 / 3
-        shear = operator.mu * np.cbrt(at.J) ** -5
+        shear = self.mu * np.cbrt(at.J) ** -5
         bxx, byy = F[0, 0] ** 2 + F[0, 1] ** 2 - trace, F[1, 0] ** 2 + F[1, 1] ** 2 - trace
         bxy, bzz = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1], m.out2 - trace
         von_mises = shear * np.sqrt(1.5 * (bxx**2 + byy**2 + bzz**2 + 2 * bxy**2))
-        return {"von_mises": von_mises, "pressure": -operator.kappa * (at.J - 1.0), "jacobian": at.J}
+        return {"von_mises": von_mises, "pressure": -self.kappa * (at.J - 1.0), "jacobian": at.J}
 
     def measure(self, x: Array) -> dict[str, float]:
         """Return the smallest J*."""
@@ -191,17 +202,16 @@ class ElasticEvaluation:
     def __init__(self, potential: ElasticPotential, H: Array, J: Array) -> None:
         self.potential, self.H, self.J = potential, H, J
         self.curved = True
-        m, operator = potential.metric, potential.operator
+        m = potential.metric
         Bxx, Bxy, Byy = m.B
         self.HB = np.stack([H[:, 0] * Bxx + H[:, 1] * Bxy, H[:, 0] * Bxy + H[:, 1] * Byy], axis=1)
         self.I1 = (H * self.HB).sum((0, 1)) + m.out2
-        density = material.energy(operator.mu, operator.kappa, self.I1, J)
+        density = material.energy(potential.mu, potential.kappa, self.I1, J)
         self.energy = float(np.vdot(m.weights, density))
 
     @cached_property
     def _slopes(self) -> tuple[Array, Array]:
-        operator = self.potential.operator
-        return material.slopes(operator.mu, operator.kappa, self.I1, self.J)
+        return material.slopes(self.potential.mu, self.potential.kappa, self.I1, self.J)
 
     @cached_property
     def _cofactor(self) -> Array:
@@ -225,7 +235,7 @@ class ElasticEvaluation:
     def hessian(self, convexity: float) -> Hessian:
         """Return the tangent, with the share `convexity` of its negative part at each point taken away."""
         operator, m, (a, b) = self.potential.operator, self.potential.metric, self._slopes
-        c1, c2 = material.curvatures(operator.mu, operator.kappa, self.I1, self.J)
+        c1, c2 = material.curvatures(self.potential.mu, self.potential.kappa, self.I1, self.J)
         w, C = m.weights, self._cofactor
         wa, half = w * a, 0.5 * w * c2
         # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C

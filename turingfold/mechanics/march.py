@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene import InadmissibleStateError, NotConvergedError, Operator, Potential, Scene, SolveError, State
+from ..scene import InadmissibleStateError, NotConvergedError, Operator, Potential, Scene, SolveError, State, stress_scale
 from .minimise import Equilibrium, Minimiser
 
 Array = NDArray[np.float64]
@@ -53,7 +53,8 @@ class Progress:
 def begin(scene: Scene) -> Progress:
     """Return the progress before the first step, with the fields that the processes start from."""
     body = scene.body
-    state = State(0.0, {"displacement": np.zeros_like(body.nodes)})
+    scale = np.array(stress_scale(scene.terms))
+    state = State(0.0, {"displacement": np.zeros_like(body.nodes), "stress_scale": scale})
     for process in scene.processes:
         state = state.updated(**process.start(body, state, scene.seed))
     return Progress(state, scene.stepping.first * scene.until)

@@ -1,0 +1,99 @@
+"""Seeded imperfections: smooth noise along the pial surface, the same on every mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body
+from .checks import between, one_of, positive, whole
+from .scene import State
+
+Array = NDArray[np.float64]
+
+KINDS = ("growth", "stiffness")
+
+
+def noise(share: Array, modes: int, seed: int, symmetric: bool = False) -> Array:
+    """Return ξ = √(2/M) Σ_m a_m cos(m π s + φ_m), of unit variance, at shares s of the arc length in [0, 1].
+
+    a_m: standard normal.  symmetric: even modes with φ_m = 0 about s = 1/2 only.
+    """
+    random = np.random.default_rng(seed)
+    amplitude, phase = random.standard_normal(modes), random.uniform(0.0, 2 * np.pi, modes)
+    order = np.arange(1, modes + 1)
+    if symmetric:
+        waves = np.cos(2 * np.pi * np.multiply.outer(share - 0.5, order))
+    else:
+        waves = np.cos(np.pi * np.multiply.outer(share, order) + phase)
+    return np.asarray(np.sqrt(2 / modes) * waves @ amplitude)
+
+
+def along_pial(body: Body, arc: Array) -> Array:
+    """Return arc lengths as shares of the whole pial surface; a mirrored body has the first half of it."""
+    return arc / (body.pial_curve.length * (2.0 if body.mirror else 1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Imperfection:
+    """Noise that decides where an otherwise uniform cortex folds first; defined on arc length, not on elements.
+
+    of "growth": multiplies g_t - 1 (reads and rewrites "growth"; list it after the growth);
+    of "stiffness": multiplies the moduli (writes "stiffness").  amplitude: standard deviation of the factor.
+    modes: the shortest wave length is 2 L/modes.  symmetric: mirror-symmetric about the apex; always so on a half.
+    Raises ValueError for amplitudes outside [0, 0.3].
+    """
+
+    amplitude: float = 0.01
+    of: str = "growth"
+    modes: int = 80
+    symmetric: bool = False
+
+    def __post_init__(self) -> None:
+        between("amplitude", self.amplitude, 0.0, 0.3, "it is the standard deviation of a factor around 1")
+        one_of("of", self.of, KINDS)
+        whole("modes", self.modes, at_least=1)
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The growth it changes."""
+        return ("growth",) if self.of == "growth" else ()
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """The field it changes, and the noise, (q, e)."""
+        return (self.of, "noise")
+
+    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
+        """Return the noise and the field changed by it."""
+        values = noise(along_pial(body, body.arc), self.modes, seed, self.symmetric or body.mirror)
+        if self.of == "stiffness":
+            return {"noise": values, "stiffness": np.maximum(0.1, 1.0 + self.amplitude * values)}
+        return {"noise": values, **self._grown(values, state)}
+
+    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
+        """Return the changed growth; stiffness stays as it is."""
+        return self._grown(state["noise"], state) if self.of == "growth" else {}
+
+    def _grown(self, values: Array, state: State) -> dict[str, Array]:
+        growth = state["growth"].copy()
+        growth[0] = np.maximum(1.0 + (growth[0] - 1.0) * (1.0 + self.amplitude * values), 0.1 * growth[0])
+        return {"growth": growth}
+
+
+def roughened(body: Body, amplitude: float, *, modes: int = 80, seed: int = 0, symmetric: bool = False) -> Body:
+    """Return the body with pial surface and interface displaced along the normal by amplitude·ξ, alike; m.
+
+    The displacement fades over two cortical thicknesses below the interface and to nothing at the base.
+    Raises ValueError where it would turn triangles over.
+    """
+    positive("amplitude", amplitude, at_most=body.thickness, remedy="use at most the cortical thickness")
+    depth, tangent, arc = body.pial_curve.nearest(body.nodes)
+    share = along_pial(body, arc)
+    normal = np.stack([tangent[1], -tangent[0]])
+    fade = np.clip(1.0 - (depth - body.thickness) / (2 * body.thickness), 0.0, 1.0)
+    ends = np.clip(np.minimum(share, 1.0 - share) * body.pial_curve.length / body.thickness, 0.0, 1.0)
+    shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror)
+    return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + shift * normal))

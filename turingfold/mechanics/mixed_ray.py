@@ -1,0 +1,81 @@
+"""How potentials follow a Newton direction, for those that have unknowns of their own inside the elements.
+
+A nearly incompressible solid has a narrow, curved valley of admissible volume: a step along the straight Newton
+direction climbs its wall, and a search on the energy alone would cut every step down. A potential whose evaluations
+have `along` gives its own merit function for the search, and lets its inner unknowns move with the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import Evaluation, Potential
+
+Array = NDArray[np.float64]
+
+
+class Ray(Protocol):
+    """One potential along x + s d: merit and its slope at s = 0, and the longest admissible step."""
+
+    @property
+    def start(self) -> float:
+        """Merit at s = 0."""
+
+    @property
+    def slope(self) -> float:
+        """Derivative of the merit at s = 0."""
+
+    @property
+    def longest(self) -> float:
+        """Step in (0, 1] that keeps the state admissible."""
+
+    def at(self, step: float) -> tuple[float, Evaluation] | None:
+        """Return merit and evaluation at s = step, or None where the energy is infinite."""
+
+
+@runtime_checkable
+class Inner(Protocol):
+    """An evaluation with inner unknowns."""
+
+    def along(self, direction: Array, decrease: float) -> Ray:
+        """Return the ray along `direction` (2 n_nodes,); decrease: slope of the total energy along it."""
+
+
+class Straight:
+    """The ray of a potential without inner unknowns: its energy is the merit."""
+
+    def __init__(self, potential: Potential, at: Evaluation, x: Array, direction: Array) -> None:
+        self._potential, self._x, self._direction = potential, x, direction
+        self.start = at.energy
+        self.slope = float(at.gradient()[0] @ direction)
+        self.longest = potential.largest_step(x, direction)
+
+    def at(self, step: float) -> tuple[float, Evaluation] | None:
+        """Return energy and evaluation at s = step, or None where the energy is infinite."""
+        there = self._potential.evaluate(self._x + step * self._direction)
+        return None if there is None or not np.isfinite(there.energy) else (there.energy, there)
+
+
+def rays(
+    potentials: Sequence[Potential], at: Sequence[Evaluation], x: Array, direction: Array, decrease: float
+) -> list[Ray]:
+    """Return the ray of each potential from its evaluation at x."""
+    return [
+        e.along(direction, decrease) if isinstance(e, Inner) else Straight(p, e, x, direction)
+        for p, e in zip(potentials, at, strict=True)
+    ]
+
+
+def evaluations(potentials: Sequence[Potential], x: Array) -> list[Evaluation] | None:
+    """Return all evaluations at x, or None where one energy is infinite."""
+    found = []
+    for potential in potentials:
+        at = potential.evaluate(x)
+        if at is None or not np.isfinite(at.energy):
+            return None
+        found.append(at)
+    return found
