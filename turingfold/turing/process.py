@@ -1,22 +1,61 @@
-"""The Turing pattern of the cortical band as a process: a certified steady pattern that others read."""
+"""The Turing pattern of the cortical band as a process: a certified steady pattern that other parts read."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import math
+from dataclasses import KW_ONLY, dataclass
+from typing import ClassVar
 
 import numpy as np
 
+from ..body import Body
 from ..checks import one_of, positive, whole
 from ..scene import State
 from .kinetics import Array, Kinetics
-from .modes import Mode, mode_with, scaled
+from .modes import Mode, mode_with
 from .reaction_diffusion import Discretisation, Integers, ReactionDiffusion, discretise
-from .stability import Conditions, conditions
+from .stability import Conditions, at_ratio
 from .steady import SteadyState, refine, settle
 
-if TYPE_CHECKING:
-    from ..body import Body
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """What is chosen for a body: conditions with its diffusivities (m² per unit of kinetic time) and the mode.
+
+    space: linear elements on the band.  line: its nodes along the pial surface, in order; the first comes again at
+    the end of a closed line.  middle: the node at the apex.
+    """
+
+    conditions: Conditions
+    mode: Mode
+    space: Discretisation
+    line: Integers
+    middle: int
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """A steady pattern on the quadratic elements of a band, and the design it came from."""
+
+    design: Design
+    system: ReactionDiffusion
+    steady: SteadyState
+
+    @property
+    def activator(self) -> Array:
+        """Activator at the band's nodes, shape (n_band_nodes,)."""
+        return self.steady.state[0 if self.design.conditions.activator == "u" else 1]
+
+    @property
+    def inhibitor(self) -> Array:
+        """Inhibitor at the band's nodes, shape (n_band_nodes,)."""
+        return self.steady.state[1 if self.design.conditions.activator == "u" else 0]
+
+    @property
+    def normalised(self) -> Array:
+        """Activator mapped to [0, 1], whatever its sign and size."""
+        low, high = self.activator.min(), self.activator.max()
+        return np.asarray((self.activator - low) / (high - low))
 
 
 @dataclass(frozen=True)
@@ -24,19 +63,18 @@ class Turing:
     """Steady Turing pattern on the cortical band, with a chosen number of half waves along it.
 
     kinetics: the reaction; must be Turing-unstable at `ratio`.
-    half_waves: of the pattern along the whole pial surface; the diffusivities are scaled so that the band's own
-        Laplace mode with that many half waves is the one that grows fastest. Even numbers give a symmetric
-        pattern with a peak of the activator at the apex; the half of a mirror-symmetric body holds half as many.
-    ratio: d_inhibitor / d_activator; default the kinetics' published one.
-    start: "mode" starts from that mode, "noise" from random values at the nodes (the number of half waves may
-        then differ from the fastest by some).
-    amplitude: of the start, relative to the steady state (absolute where that is 0).
-    symmetric: make the pattern mirror-symmetric about the middle of the pial surface; needs even half_waves.
-    elements: 2 for isoparametric quadratic elements, 1 for linear ones.
+    half_waves: of the pattern along the whole pial surface: the diffusivities are scaled so that the band's own
+        Laplace mode with that many is the one that grows fastest. Even numbers put a peak of the activator at
+        the apex. The half of a mirror-symmetric body holds half as many.
+    ratio: d_inhibitor / d_activator; by default the published one of the kinetics.
+    initial: "mode" starts from that mode; "noise" from waves of random strength up to three times shorter, and
+        the number of half waves may then come out differently.
+    amplitude: of the start, relative to the activator's steady state (absolute where that is 0).
+    symmetric: makes the pattern its own mirror image about the body's vertical axis x = 0.
 
-    Writes "activator" and "inhibitor" (kinetics' units) and "pattern", the activator from 0 to 1, each of
-    shape (n_band_nodes,). Raises ValueError if the kinetics are not Turing-unstable or the band cannot hold the
-    half waves, NotConvergedError if no stable pattern is reached.
+    Writes "activator" and "inhibitor" in the kinetics' units and "pattern", the activator from 0 to 1, each of
+    shape (n_band_nodes,). Raises ValueError if the kinetics are not Turing-unstable or the band or its mesh
+    cannot hold the half waves, NotConvergedError if no stable pattern is reached.
     """
 
     kinetics: Kinetics
@@ -46,7 +84,6 @@ class Turing:
     initial: str = "mode"
     amplitude: float = 0.05
     symmetric: bool = False
-    degree: int = 2
 
     reads: ClassVar[tuple[str, ...]] = ()
     writes: ClassVar[tuple[str, ...]] = ("activator", "inhibitor", "pattern")
@@ -58,8 +95,6 @@ class Turing:
         whole("half_waves", self.half_waves, at_least=1)
         one_of("initial", self.initial, ("mode", "noise"))
         positive("amplitude", self.amplitude, at_most=0.5)
-        if self.degree not in (1, 2):
-            raise ValueError(f"degree={self.degree!r} must be 1 or 2.")
         if self.symmetric and self.half_waves % 2:
             raise ValueError(
                 f"half_waves={self.half_waves} is odd, and an odd number of half waves is not mirror-symmetric; "
@@ -70,40 +105,101 @@ class Turing:
     def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
         """Return the steady pattern's fields."""
         pattern = self.pattern(body, seed)
-        activator, inhibitor = pattern.activator_first
-        low, high = activator.min(), activator.max()
-        return {"activator": activator, "inhibitor": inhibitor, "pattern": (activator - low) / (high - low)}
+        return {
+            "activator": pattern.activator,
+            "inhibitor": pattern.inhibitor,
+            "pattern": pattern.normalised,
+        }
 
     def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
         """Return nothing: the pattern is steady on the undeformed band."""
         return {}
 
     def design(self, body: Body) -> Design:
-        """Return the diffusivities for this body, the mode they favour, and the band's discretisation."""
-        along = self.half_waves
-        if body.mirror:
-            if along % 2:
-                raise ValueError(f"half_waves={along} must be even on the half of a mirror-symmetric body.")
-            along //= 2
+        """Return the diffusivities that suit the body, and the mode they favour."""
         space = discretise(body.cortex.mesh, 1)
-        line = _pial_line(body, space.size)
-        mode = mode_with(space, along, line, space.area / body.thickness, body.thickness)
+        line, middle = pial_line(body)
+        mode = mode_with(space, self._half_waves_on(body), line, space.area / body.thickness, body.thickness)
         found = at_ratio(self.kinetics, self.ratio).scaled_to(mode.value)
-        _check_resolution(found, space.edge)
-        return Design(found, mode, space, line)
+        shortest = math.pi / math.sqrt(found.shortest_k2)
+        if shortest < 2 * space.edge:
+            raise ValueError(
+                f"half_waves={self.half_waves}: the activator's shortest half wave, π √(D_a/J_aa) = {shortest:.4g} m, "
+                f"needs 2 elements, and the largest has edges of {space.edge:.4g} m; use elements of at most "
+                f"{shortest / 2:.4g} m."
+            )
+        return Design(found, mode, space, line, middle)
 
     def pattern(self, body: Body, seed: int = 0) -> Pattern:
         """Return the certified steady pattern on a body."""
+        # the way to the pattern is run on linear elements, the pattern itself solved on quadratic ones
         design = self.design(body)
+        found, mesh = design.conditions, body.cortex.mesh
+        linear = ReactionDiffusion(design.space, self.kinetics, found.d_u, found.d_v)
+        quadratic = ReactionDiffusion(discretise(mesh, 2), self.kinetics, found.d_u, found.d_v)
+        settled = settle(linear, self._begin(body, design, seed))
+        vertices = settled.state
+        guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
+        if self.symmetric:
+            guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
+        return Pattern(design, quadratic, refine(quadratic, settled, guess))
+
+    def _half_waves_on(self, body: Body) -> int:
+        if not body.mirror:
+            return self.half_waves
+        if self.half_waves % 2:
+            raise ValueError(
+                f"half_waves={self.half_waves} is odd, and the half of a mirror-symmetric body holds half of an even "
+                "number; use an even number or the whole body."
+            )
+        return self.half_waves // 2
+
+    def _begin(self, body: Body, design: Design, seed: int) -> Array:
+        # the steady state plus the fastest deviation, with a peak of the activator in the middle
         found = design.conditions
-        coarse = ReactionDiffusion(design.space, self.kinetics, found.d_u, found.d_v)
-        shape = self._start_shape(body, design, seed)
         level = np.array(found.steady_state)
-        activator = level[0 if found.activator == "u" else 1]
-        size = self.amplitude * (abs(activator) if activator else 1.0)
-        begin = level[:, None] + size * np.outer(found.fastest_direction, shape)
-        settled = settle(coarse, begin)
-        if self.degree == 1:
-            return Pattern(design, coarse, settled)
-        fine = ReactionDiffusion(discretise(body.cortex.mesh, 2), self.kinetics, found.d_u, found.d_v)
-        return Pattern(design, fine, refine(fine, settled, _to_quadratic(body, settled.state)))
+        size = abs(level["uv".index(found.activator)]) or 1.0
+        if self.initial == "mode":
+            shape = design.mode.shape
+            if shape[design.middle] < 0 and design.mode.half_waves % 2 == 0:
+                shape = -shape
+        else:
+            shape = self._noise(body, design, seed)
+        shape = shape / np.abs(shape).max()
+        return np.asarray(level[:, None] + self.amplitude * size * np.outer(found.fastest_direction, shape))
+
+    def _noise(self, body: Body, design: Design, seed: int) -> Array:
+        # waves along the arc, not values at the nodes: the same noise on every mesh
+        curve = body.pial_curve
+        along = curve.nearest(design.space.nodes)[2] / curve.length
+        orders = np.arange(1, 3 * design.mode.half_waves + 1)
+        orders = orders[orders % 2 == 0] if self.symmetric and not body.mirror else orders
+        strengths = np.random.default_rng(seed).standard_normal(len(orders))
+        return np.asarray(strengths @ np.cos(np.pi * np.outer(orders, along)))
+
+
+def pial_line(body: Body) -> tuple[Integers, int]:
+    """Return the band's vertices along the pial surface, in order, and the one at the apex."""
+    band = body.cortex
+    place = np.full(body.nodes.shape[1], -1)
+    place[band.nodes] = np.arange(len(band.nodes))
+    line = place[body.pial[::2]]
+    if body.pial_curve.closed:
+        line = np.append(line, line[0])
+    if body.mirror:
+        ends = line[[0, -1]]
+        return line, int(ends[np.argmin(np.abs(band.mesh.p[0, ends]))])
+    return line, int(line[len(line) // 2])
+
+
+def mirrored(nodes: Array) -> Integers:
+    """Return for each node the one at its mirror image about x = 0; raise ValueError if there is none."""
+    from scipy.spatial import cKDTree
+
+    distance, partner = cKDTree(nodes.T).query(nodes.T * [-1.0, 1.0])
+    if distance.max() > 1e-6 * np.ptp(nodes):
+        raise ValueError(
+            f"symmetric=True: the mesh is not its own mirror image about x = 0 (a node is {distance.max():.3g} m from "
+            "the nearest image); use semicircle or semiellipse, or symmetric=False."
+        )
+    return np.asarray(partner, dtype=np.int64)

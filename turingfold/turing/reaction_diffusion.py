@@ -100,8 +100,8 @@ def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Disc
     if lumped and degree == 2:
         raise ValueError("lumped=True needs degree=1: lumped quadratic elements have no mass at the vertices.")
     if degree == 1:
-        basis = Basis(MeshTri1(mesh.p, mesh.t, validate=False), ElementTriP1(), intorder=2)
-        nodes = np.asarray(mesh.p, dtype=float)
+        nodes = np.asarray(mesh.p[:, : mesh.nvertices], dtype=float)
+        basis = Basis(MeshTri1(nodes, mesh.t, validate=False), ElementTriP1(), intorder=2)
     else:
         curved = mesh if isinstance(mesh, MeshTri2) else MeshTri2.from_mesh(mesh)
         basis = Basis(curved, ElementTriP2(), intorder=6)  # exact for the mass on curved triangles

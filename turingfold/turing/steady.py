@@ -93,32 +93,39 @@ def leading_eigenvalue(system: ReactionDiffusion, state: Array, *, count: int = 
     return complex(found[np.argmax(found.real)])
 
 
+def speed(system: ReactionDiffusion, state: Array) -> float:
+    """Return the largest rate of change, relative to the pattern's height and the fastest reaction; 0 at rest."""
+    slopes = system.kinetics.derivatives(*state)
+    fastest = max(float(np.abs(slope).max()) for slope in slopes)
+    change = np.abs(system.rate(state)) / abs(system.space.mass).sum(axis=0)
+    height = np.ptp(state, axis=1) + np.finfo(float).tiny
+    return float((change.max(axis=1) / height).max() / fastest)
+
+
 def settle(
-    system: ReactionDiffusion, start: Array, *, until: float = math.inf, tolerance: float = 1e-2
+    system: ReactionDiffusion, start: Array, *, until: float = math.inf, steps: int = 1000, tolerance: float = 1e-2
 ) -> SteadyState:
     """Run from a start until the pattern stands, polish it with Newton's method, and certify it.
 
-    until: longest time to run.  tolerance: local error of the run, relative; the end point does not depend on it.
+    until, steps: longest time and largest number of steps to run.
+    tolerance: local error of the run, relative; the end point does not depend on it.
     Raises NotConvergedError if nothing stable is reached by then.
     """
-    near, best = 1e-3, complex(math.nan)
-    for moment in march(system, start, until=until, tolerance=tolerance, floor=None):
-        if relative_residual(system, moment.state) > near:
-            continue
-        near *= 0.1  # next time wait longer: a state that stands still may yet be unstable
-        try:
+    slow, leading, moment = 1e-3, complex(math.nan), None
+    for moment in march(system, start, until=until, tolerance=tolerance):
+        if speed(system, moment.state) < slow:
+            slow *= 0.1  # what stands still may yet be unstable: then wait ten times longer
             state, residual, iterations = newton(system, moment.state)
-        except NotConvergedError:
-            continue
-        best = leading_eigenvalue(system, state)
-        if best.real < 0:
-            return SteadyState(state, residual, best, moment.time, moment.steps, iterations)
-        if near < 1e-12:
+            leading = leading_eigenvalue(system, state)
+            if leading.real < 0:
+                return SteadyState(state, residual, leading, moment.time, moment.steps, iterations)
+        if moment.steps >= steps or slow < 1e-12:
             break
+    time = moment.time if moment else 0.0
     raise NotConvergedError(
-        f"no stable steady state was reached by time {until:g} (leading eigenvalue of the last one tried: "
-        f"{best:.3g}); run longer, start from another state, or expect a pattern that never rests.",
-        time=until,
+        f"no stable steady state was reached by time {time:.6g} (leading eigenvalue of the last one tried: "
+        f"{leading:.3g}); run longer, start from another state, or expect a pattern that never rests.",
+        time=time,
     )
 
 
