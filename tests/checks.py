@@ -21,7 +21,7 @@ def dense(hessian, n_dofs: int) -> np.ndarray:
 
 
 def taylor_order(remainder: Callable[[float], float], size: float, step: float) -> float:
-    """Return the order at which a Taylor remainder falls with the step; inf where it is round-off of `size`."""
+    """Return the order at which a Taylor remainder falls with the step; inf where it is round-off."""
     lengths = step * STEPS
     found = np.array([abs(remainder(h)) for h in lengths])
     if found.max() <= 1e-12 * size:
@@ -91,13 +91,13 @@ def check_semidefinite(potential, x: np.ndarray) -> tuple[float, float]:
 
 def check_term(
     term, body: Body, state: State, samples: list[np.ndarray], *, step: float, dt: float = 0.1,
-    balanced: bool = True, moment: bool = True, objective: bool = True, other=None,
+    balanced: bool = True, moment: bool = True, objective: bool = True, other=None
 ) -> None:
     """Examine a term at several admissible displacements, each (2 n_nodes,).
 
     Derivatives of order 2; forces without resultant (balanced) and moment; the same energy after a rigid
-    motion (objective); a step bound in (0, 1] that is admissible; the same bytes when asked twice; and another
-    energy, gradient and Hessian for `other`, the term with another parameter.
+    motion (objective); a step bound in (0, 1] that is admissible; the same bytes when asked twice;
+    and another energy, gradient and Hessian for `other`, the term with another parameter.
     """
     assert isinstance(term.reads, tuple)
     potential = term.on(body).during(state, dt)
@@ -127,7 +127,7 @@ def check_term(
 
 
 def check_process(process: Process, body: Body, before: State, dt: float, *, seed: int = 0) -> State:
-    """Examine a process and return the end: it writes what it declares, the same twice, and touches nothing."""
+    """Examine a process: it writes what it declares, the same twice, and touches nothing; return the end."""
     assert isinstance(process, Process)
     kept = {name: values.copy() for name, values in before.fields.items()}
     assert set(process.reads) <= set(kept) | {"displacement"}

@@ -55,13 +55,13 @@ def test_leaving_out_the_third_direction_would_stress_the_undeformed_state():
     assert a + b == pytest.approx(MU / 3, rel=1e-14)
 
 
-@pytest.mark.parametrize("F, d", states())
+@pytest.mark.parametrize(("F", "d"), list(states()))
 def test_stress_is_the_slope_of_the_energy(F, d):
     slope = np.vdot(stress(F), d)
     assert taylor_order(lambda h: energy(F + h * d) - energy(F) - h * slope, KAPPA, 0.05) > 1.9
 
 
-@pytest.mark.parametrize("F, d", states())
+@pytest.mark.parametrize(("F", "d"), list(states()))
 def test_tangent_is_the_slope_of_the_stress(F, d):
     bend = tangent(F, d)
 

@@ -1,0 +1,201 @@
+"""Self-contact: derivatives, balance, collision-free steps, obstacles, and the size of the barrier."""
+import ipctk
+import numpy as np
+import pytest
+from checks import check_semidefinite, check_term, message_names
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from skfem import MeshTri1
+
+from turingfold.body import Body
+from turingfold.geometry import half, semicircle
+from turingfold.mechanics.contact import SelfContact
+from turingfold.mechanics.elastic import Elastic
+from turingfold.mechanics.march import begin
+from turingfold.mechanics.material import NeoHookean
+from turingfold.scene import Scene, State
+
+SLOT = 0.3
+
+
+def slotted(base="free", size=0.25, slot=SLOT):
+    """Return a block of two columns with a slot of depth 1 and this width between them, from x = 1 on."""
+    x = np.concatenate([np.arange(0, 1 + 1e-9, size), np.arange(0, 1 + 1e-9, size) + 1 + slot])
+    y = np.arange(0, 1.5 + 1e-9, size)
+    mesh = MeshTri1.init_tensor(x, y)
+    centre = mesh.p[:, mesh.t].mean(1)
+    inside = (centre[0] > 1) & (centre[0] < 1 + slot) & (centre[1] > 0.5)
+    mesh = mesh.remove_elements(np.flatnonzero(inside))
+    return Body(mesh.with_boundaries({"pial": lambda p: p[1] > 0, "base": lambda p: p[1] == 0}), 0.2, base)
+
+
+def state_of(body, scale=1.0):
+    return State(1.0, {"displacement": np.zeros_like(body.nodes), "stress_scale": np.array(scale)})
+
+
+def closed(body, gap, slot=SLOT):
+    """Return the displacement that moves the right column until the slot has this width."""
+    shift = np.where((body.nodes[0] > 1) & (body.nodes[1] > 0.5), gap - slot, 0.0)
+    return np.stack([shift, np.zeros_like(shift)]).T.ravel()
+
+
+def test_contact_passes_the_examination():
+    body = slotted()
+    dhat = 0.4 * 0.125
+    rng = np.random.default_rng(0)
+    noise = 0.05 * dhat * rng.standard_normal((2, 2 * body.nodes.shape[1]))
+    samples = list(closed(body, 0.5 * dhat) + noise)
+    term, state, step = SelfContact(), state_of(body), 0.003 * dhat
+    check_term(term, body, state, samples, step=step, other=SelfContact(stiffness=2.0))
+    check_term(SelfContact(gap=0.8), body, state, samples, step=step, other=SelfContact(gap=0.7))
+
+
+def test_the_clamped_hessian_has_no_negative_eigenvalue():
+    body = slotted(size=0.5)
+    noise = 0.004 * np.random.default_rng(0).standard_normal(2 * body.nodes.shape[1])
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    true, _ = check_semidefinite(potential, closed(body, 0.04) + noise)
+    assert true < 0
+
+
+def test_without_contact_there_is_no_energy():
+    body = slotted()
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    here = potential.evaluate(np.zeros(2 * body.nodes.shape[1]))
+    assert here.energy == 0.0
+    assert not here.curved
+    assert not here.gradient()[0].any()
+
+
+def test_the_traction_is_uniform_and_grows_with_stiffness_and_stress():
+    # between flat walls every inner vertex carries its share of the wall, middles and corners alike
+    body = slotted(size=0.125)
+    found = []
+    for stiffness, scale in ((1.0, 1.0), (0.5, 7.0)):
+        potential = SelfContact(stiffness=stiffness).on(body).during(state_of(body, scale), 0.1)
+        force = -potential.evaluate(closed(body, 0.0125)).gradient()[0].reshape(-1, 2)
+        found.append(force[np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
+                           & (body.nodes[1] > 0.7) & (body.nodes[1] < 1.3)])
+        assert len(found[-1]) == 9
+        np.testing.assert_allclose(found[-1][:, 0], found[-1][0, 0], rtol=1e-9)
+        assert np.abs(found[-1][:, 1]).max() < 1e-9 * found[-1][0, 0]
+    assert found[0].max() > 0
+    np.testing.assert_allclose(found[1], 3.5 * found[0], rtol=1e-9, atol=1e-12)
+
+
+def test_the_smallest_gap_is_the_one_between_the_walls():
+    body = slotted()
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    assert potential.measure(closed(body, 0.021))["min_gap"] == pytest.approx(0.021, rel=1e-9)
+
+
+@settings(derandomize=True, max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10_000), size=st.floats(0.01, 10.0))
+def test_no_step_within_the_bound_makes_walls_cross(seed, size):
+    body = slotted()
+    operator = SelfContact().on(body)
+    potential = operator.during(state_of(body), 0.1)
+    d = size * np.random.default_rng(seed).standard_normal(2 * body.nodes.shape[1])
+    bound = potential.largest_step(np.zeros_like(d), d)
+    assert 0 < bound <= 1
+    for share in (0.25, 0.5, 0.75, 1.0):
+        assert not ipctk.has_intersections(operator.mesh, operator.positions(share * bound * d))
+
+
+def test_a_full_step_through_the_other_wall_is_refused():
+    body = slotted()
+    operator = SelfContact().on(body)
+    potential = operator.during(state_of(body), 0.1)
+    through = closed(body, -0.9)
+    assert not ipctk.has_intersections(operator.mesh, operator.positions(closed(body, 0.1)))
+    bound = potential.largest_step(np.zeros_like(through), through)
+    # the walls meet after 0.3 of 1.2; nine tenths of a conservative bound
+    assert 0.2 < bound < SLOT / 1.2
+
+
+def test_a_step_that_is_not_finite_is_refused():
+    body = slotted()
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    d = np.zeros(2 * body.nodes.shape[1])
+    assert potential.largest_step(d, d) == 1.0
+    d[2 * body.pial[3]] = np.nan
+    assert potential.largest_step(np.zeros_like(d), d) == 0.0
+
+
+@pytest.mark.parametrize("base", ["clamped", "roller", "free"])
+def test_the_base_line_goes_on_outside_the_body(base):
+    body = semicircle(radius=1.0, thickness=0.3, size=0.15, base=base)
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    d = np.zeros((body.nodes.shape[1], 2))
+    node = body.pial[1] if body.nodes[0, body.pial[0]] > 0 else body.pial[-2]
+    d[node] = 0.4, -0.3  # outward and under the base line, past no wall of the body
+    bound = potential.largest_step(np.zeros(d.size), d.ravel())
+    if base == "free":
+        assert bound == 1.0
+    else:
+        height = body.nodes[1, node]
+        assert 0.5 * height / 0.3 < bound < height / 0.3
+
+
+def test_the_mirror_line_is_an_obstacle_of_half_a_body():
+    body = half(semicircle(radius=1.0, thickness=0.3, size=0.15))
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    d = np.zeros((body.nodes.shape[1], 2))
+    near = [k for k in body.pial if 0 < body.nodes[0, k] < 0.2]
+    d[near] = -0.5, 0.4
+    bound = potential.largest_step(np.zeros(d.size), d.ravel())
+    after = body.nodes[0, near] + bound * d[near, 0]
+    assert bound < 1
+    assert after.min() > 0
+
+
+def test_the_hessian_has_room_for_contacts_to_come():
+    body = slotted()
+    dhat = 0.05
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    early = potential.evaluate(closed(body, 0.9 * dhat)).hessian(0.0)
+    later = potential.evaluate(closed(body, 0.3 * dhat)).hessian(0.0)
+    rows, columns = early.room()
+    places = set(zip(rows.ravel().tolist(), columns.ravel().tolist(), strict=True))
+    assert {(r, c) for r, c in zip(later.rows.tolist(), later.columns.tolist(), strict=True)} <= places
+
+
+def test_energy_scales_with_the_body_and_its_stress():
+    # the same body in mm with the same stresses: energy per depth 1e6 times as large, forces 1e3 times
+    body = slotted()
+    mesh = MeshTri1(1e3 * body.mesh.p, body.mesh.t).with_boundaries(body.mesh.boundaries)
+    large = Body(mesh, 200.0, "free")
+    x = closed(body, 0.02)
+    one = SelfContact().on(body).during(state_of(body, 3.0), 0.1).evaluate(x)
+    other = SelfContact().on(large).during(state_of(large, 3.0), 0.1).evaluate(1e3 * x)
+    assert other.energy == pytest.approx(1e6 * one.energy, rel=1e-9)
+    forces = 1e3 * one.gradient()[0]
+    np.testing.assert_allclose(other.gradient()[0], forces, atol=1e-9 * forces.max())
+
+
+def test_the_scene_gives_the_scale_of_stress():
+    body = slotted()
+    terms = (Elastic(gray=NeoHookean(476.0, 5551.0), white=NeoHookean(650.0, 7574.0)), SelfContact())
+    state = begin(Scene(body=body, terms=terms)).state
+    dhat = 0.05
+    operator, x = SelfContact().on(body), closed(body, 0.5 * dhat)
+    found = operator.during(state, 0.1).evaluate(x).energy
+    assert found == operator.during(state_of(body, 650.0), 0.1).evaluate(x).energy > 0
+
+
+def test_a_body_that_touches_itself_at_rest_is_refused():
+    # at the tips of a rhombus, of 11 degrees, the walls are sin 11° = 0.2 edges apart
+    points = np.array([[0.0, 1.0, 2.0, 1.0], [0.0, -0.1, 0.0, 0.1]])
+    mesh = MeshTri1(points, np.array([[0, 1], [1, 2], [3, 3]])).refined(2)
+    with pytest.raises(ValueError, match="dhat") as failure:
+        SelfContact(gap=0.4).on(Body(mesh.with_boundaries({"pial": mesh.boundary_facets()}), 0.02, "free"))
+    message_names(failure.value, "gap", "m;")
+
+
+@pytest.mark.parametrize(
+    ("name", "bad"),
+    [("gap", 0.0), ("gap", 0.95), ("gap", float("nan")), ("stiffness", -1.0), ("stiffness", None)],
+)
+def test_bad_input_is_refused(name, bad):
+    with pytest.raises(ValueError, match=name):
+        SelfContact(**{name: bad})
