@@ -1,0 +1,182 @@
+"""What comes of a scene: states, history, and the numbers that sum them up."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body
+from .scene import Scene, State
+
+Array = NDArray[np.float64]
+Row = dict[str, float]
+FilePath = str | os.PathLike[str]
+
+NAN = float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a scene became.
+
+    states: every accepted state, the start first; of a result read from disk, those that were kept.
+    history: a row per accepted step, by column name; NaN where something does not exist.
+    converged: whether the end of the scene was reached.  seconds, seconds_by_part: time spent.
+    """
+
+    scene: Scene
+    states: tuple[State, ...]
+    history: tuple[Row, ...]
+    converged: bool
+    seconds: float = NAN
+    seconds_by_part: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def last(self) -> State:
+        """The last accepted state."""
+        return self.states[-1]
+
+    def pial(self, step: int = -1) -> Array:
+        """Return a state's deformed pial surface, (2, n), counter-clockwise; a half body's is completed."""
+        body = self.scene.body
+        return along_pial(body, (body.nodes + self.states[step]["displacement"])[:, body.pial])
+
+    def pattern(self, step: int = -1) -> Array | None:
+        """Return the pattern û at the points of `pial`, (n,), or None without a pattern."""
+        body, state = self.scene.body, self.states[step]
+        if "pattern" not in state:
+            return None
+        everywhere = np.zeros(body.nodes.shape[1])
+        everywhere[body.cortex.nodes] = state["pattern"]
+        return along_pial(body, everywhere[body.pial])
+
+    def observe(self, step: int = -1) -> dict[str, Array]:
+        """Return von_mises and pressure (Pa), jacobian and whatever else the terms show, each (q, e)."""
+        scene, state = self.scene, self.states[step]
+        times = [row["time"] for row in self.history]
+        row = times.index(state.time) if state.time in times else 0
+        return observe(scene, state, self.history[row]["step"] if self.history else scene.until)
+
+    def summary(self) -> dict[str, Any]:
+        """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
+
+        min_jacobian, min_gap (m): smallest of the whole run.  sulcal_depth, mirror_error: m, the latter None
+        for a body that is not its own mirror image.  seconds_by_part: s.
+        """
+        body, rows = self.scene.body, self.history
+        last = rows[-1] if rows else {}
+        return {
+            "dofs": body.nodes.size - len(body.fixed),
+            "triangles": body.mesh.nelements,
+            "steps": len(rows),
+            "newton_iterations": int(sum(row["newton_iterations"] for row in rows)),
+            "factorizations": int(sum(row["factorizations"] for row in rows)),
+            "seconds": self.seconds,
+            "seconds_by_part": dict(self.seconds_by_part),
+            "growth": growth(self.last),
+            "energy": _number(last.get("energy", NAN)),
+            "residual": _number(last.get("residual", NAN)),
+            "min_jacobian": _smallest(rows, "min_jacobian"),
+            "min_gap": _smallest(rows, "min_gap"),
+            **self._shape(),
+            "converged": self.converged,
+        }
+
+    def _shape(self) -> dict[str, float | None]:
+        from .morphometry.folds import fold_count, sulcal_depth
+        from .morphometry.pattern import registration
+        from .morphometry.shape import gyrification_index
+        from .morphometry.walls import mirror_error, self_intersections
+
+        body, pial, pattern = self.scene.body, self.pial(), self.pattern()
+        rest = along_pial(body, body.nodes[:, body.pial])
+        closed = pial_closed(body)
+        symmetric = mirror_error(rest) <= 1e-9 * body.length
+        return {
+            "self_intersections": self_intersections(pial, closed=closed),
+            "gyrification_index": gyrification_index(pial, closed=closed),
+            "folds": fold_count(pial, closed=closed),
+            "sulcal_depth": sulcal_depth(pial, closed=closed),
+            "mirror_error": mirror_error(pial) if symmetric else None,
+            "registration": None if pattern is None else registration(pattern, pial, rest, closed=closed),
+        }
+
+
+def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
+    """Return the result stored in a folder; its states are those that were kept.
+
+    known: classes and functions from outside turingfold that the scene is made of.
+    Raises ValueError if the folder holds no result or one whose scene cannot be rebuilt.
+    """
+    from .output.document import read_scene
+    from .output.files import read_json
+    from .output.folder import read_states
+    from .output.history import read_history
+
+    path = Path(folder)
+    scene = read_scene(path, known)
+    states, history = read_states(path), read_history(path)
+    if not states:
+        raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
+    file = path / "summary.json"
+    summary = read_json(file) if file.exists() else {}
+    seconds = summary.get("seconds", float(sum(row["seconds"] for row in history)))
+    parts, converged = summary.get("seconds_by_part", {}), bool(summary.get("converged", False))
+    return Result(scene, tuple(states), tuple(history), converged, seconds, parts)
+
+
+def observe(scene: Scene, state: State, dt: float) -> dict[str, Array]:
+    """Return the fields that the terms show of a state, each (q, e); dt is the step that led to it."""
+    x = state["displacement"].T.ravel()
+    fields: dict[str, Array] = {}
+    for term in scene.terms:
+        potential = term.on(scene.body).during(state, dt)
+        if potential is not None:
+            fields |= potential.observe(x)
+    return fields
+
+
+def growth(state: State) -> float:
+    """Return the largest tangential growth factor, 1 without growth."""
+    return float(state["growth"][0].max()) if "growth" in state else 1.0
+
+
+def along_pial(body: Body, values: Array) -> Array:
+    """Return values (n,) or points (2, n) along the pial surface; a half body's with their mirror image."""
+    if not body.mirror:
+        return values
+    line, first, last = _mirror(body)
+    image = values[..., ::-1].copy()
+    if values.ndim == 2:
+        image[0] = 2 * line - image[0]
+    # a point on the mirror is its own image
+    if last:
+        return np.concatenate([values, image[..., 1 : image.shape[-1] - first]], axis=-1)
+    return np.concatenate([image[..., : image.shape[-1] - first], values], axis=-1)
+
+
+def pial_closed(body: Body) -> bool:
+    """Return whether the pial surface, completed by its image, is closed."""
+    return all(_mirror(body)[1:]) if body.mirror else body.pial_curve.closed
+
+
+def _mirror(body: Body) -> tuple[float, bool, bool]:
+    """Return x of the mirror, and whether the pial surface starts and ends on it."""
+    line = float(body.nodes[0, body.boundary_path("mirror")[0][0]])
+    first, last = np.abs(body.nodes[0, body.pial[[0, -1]]] - line) <= 1e-9 * body.length
+    return line, bool(first), bool(last)
+
+
+def _smallest(rows: Sequence[Row], name: str) -> float | None:
+    values = [row[name] for row in rows if np.isfinite(row.get(name, NAN))]
+    return min(values) if values else None
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
