@@ -87,6 +87,7 @@ class Evaluation(Protocol):
     """A potential at one configuration; gradient and Hessian are computed when asked for, once."""
 
     energy: float
+    grain: float  # differences of energy below this are round-off
     curved: bool  # whether there is a Hessian
 
     def gradient(self) -> tuple[Array, float]:

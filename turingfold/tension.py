@@ -164,7 +164,8 @@ class DeadTension(_WithoutMemory):
 
     def evaluate(self, x: Array) -> DeadEvaluation:
         """Return energy and gradient at x."""
-        return DeadEvaluation(self.forces, -float(self.forces @ x))
+        work = self.forces * x
+        return DeadEvaluation(self.forces, -float(work.sum()), 1e-15 * float(np.abs(work).sum()))
 
 
 @dataclass(frozen=True)
@@ -173,6 +174,7 @@ class DeadEvaluation:
 
     forces: Array
     energy: float
+    grain: float
     curved: bool = False
 
     def gradient(self) -> tuple[Array, float]:
@@ -209,6 +211,7 @@ class FollowerEvaluation:
         self.tangent = along / self.speed
         self.weights = WEIGHTS[:, None] * potential.line
         self.energy = float((self.weights * self.speed).sum())
+        self.grain = 1e-15 * float((np.abs(self.weights) * self.speed).sum())
 
     def gradient(self) -> tuple[Array, float]:
         """Return ∫ γ T ∂_ξ v dξ."""

@@ -147,7 +147,8 @@ class ContactEvaluation:
         self.operator, self.scale, self.positions = operator, scale, positions
         self.collisions = operator.collisions(positions, operator.dhat)
         self.curved = not self.collisions.empty()
-        self.energy = self.scale * float(operator.barrier(self.collisions, operator.mesh, positions))
+        self.energy = scale * float(operator.barrier(self.collisions, operator.mesh, positions))
+        self.grain = 1e-15 * self.energy
 
     @cached_property
     def _forces(self) -> Array:

@@ -153,7 +153,7 @@ class InertiaPotential(_TowardsTarget):
 
     def finish(self, x: Array) -> dict[str, Array]:
         """Return displacement and velocity at the end of the step, each (2, n_nodes)."""
-        end = self.old + (x - self.old) * (self.dt / self.span)
+        end = x if self.span == self.dt else self.old + (x - self.old) * (self.dt / self.span)
         return {
             "displacement": end.reshape(-1, 2).T.copy(),
             "velocity": self._velocity(end).reshape(-1, 2).T.copy(),
@@ -199,6 +199,7 @@ class MassEvaluation:
         self.mass, self.weight = mass, weight
         self.force = weight * mass.times(x)
         self.energy = 0.5 * float(self.force @ x)
+        self.grain = 1e-15 * self.energy
 
     def gradient(self) -> tuple[Array, float]:
         """Return the forces and their sum of squares."""

@@ -147,6 +147,11 @@ class ElasticPotential:
     mu: Array
     kappa: Array
 
+    @cached_property
+    def rest(self) -> float:
+        """The energy ∫ 3μ/2 that cancels in the stress-free state."""
+        return 1.5 * float(np.vdot(self.metric.weights, self.mu))
+
     def stretch(self, x: Array) -> Array:
         """Return H = ∂x/∂ξ, shape (2, 2, q, e), of the displacement x (2 n_nodes,)."""
         return self._gradient(self.operator.body.nodes + x.reshape(-1, 2).T)
@@ -208,6 +213,7 @@ class ElasticEvaluation:
         self.I1 = (H * self.HB).sum((0, 1)) + m.out2
         density = material.energy(potential.mu, potential.kappa, self.I1, J)
         self.energy = float(np.vdot(m.weights, density))
+        self.grain = 1e-15 * (abs(self.energy) + potential.rest)
 
     @cached_property
     def _slopes(self) -> tuple[Array, Array]:

@@ -68,23 +68,27 @@ class Gatherer:
 
     The pattern is kept, and with it its symbolic factorisation, as long as it has a place for every entry.
     A pattern that lacks one is replaced by one with room for entries expected soon.
+    places: keys that passing Hessians brought into the pattern of an earlier run; with the same pattern the same
+    matrix gives the same factors to the last bit.
     """
 
-    def __init__(self, n_dofs: int, fixed: Integers) -> None:
+    def __init__(self, n_dofs: int, fixed: Integers, places: Integers | None = None) -> None:
         free = np.ones(n_dofs, dtype=bool)
         free[fixed] = False
         self.n_dofs, self.free = n_dofs, np.flatnonzero(free)
         self._number = np.where(free, np.cumsum(free) - 1, -1)
         self._lasting: dict[int, tuple[Integers, Integers, Integers]] = {}  # rows, keys, slots by id(rows)
         self._pattern: Pattern | None = None
+        self._restored = places
+        self.places = np.zeros(0, dtype=np.int64)
 
     def gather(self, hessians: list[Hessian]) -> tuple[Pattern, Array]:
         """Return the pattern and the values of the sum of the Hessians."""
         slots = self._slots(hessians) if self._pattern is not None else None
-        if slots is None:
+        while slots is None:
             self._make_room(hessians)
             slots = self._slots(hessians)
-        assert slots is not None and self._pattern is not None
+        assert self._pattern is not None
         values = np.zeros(len(self._pattern.keys) + 1)  # the last place collects what belongs to fixed unknowns
         for hessian, places in zip(hessians, slots, strict=True):
             values += np.bincount(places, hessian.values.ravel(), minlength=len(values))
@@ -124,23 +128,34 @@ class Gatherer:
 
     def _make_room(self, hessians: list[Hessian]) -> None:
         """Build a pattern with a place for every entry, those seen before in lasting Hessians, and their room."""
-        wanted = [keys for _, keys, _ in self._lasting.values()]
+        passing = []
         for hessian in hessians:
             if id(hessian.rows) in self._lasting:
                 continue
             keys = self._keys(hessian.rows, hessian.columns)
-            wanted.append(keys)
             if hessian.lasting:
                 self._lasting[id(hessian.rows)] = hessian.rows, keys, keys
-            elif hessian.room is not None:
-                wanted.append(self._keys(*hessian.room()))
-        keys = np.sort(np.concatenate(wanted))
-        first = np.concatenate([[True], keys[1:] != keys[:-1]])
-        self._pattern = Pattern(len(self.free), keys[first & (keys >= 0)])
+            else:
+                passing.append(keys)
+                if hessian.room is not None:
+                    passing.append(self._keys(*hessian.room()))
+        if self._restored is not None:
+            passing, self._restored = [self._restored], None
+        self.places = _unique(passing)
+        lasting = [keys for _, keys, _ in self._lasting.values()]
+        self._pattern = Pattern(len(self.free), _unique([*lasting, self.places]))
         for mark, (rows, keys, _) in list(self._lasting.items()):
             slots = self._places(keys)
             assert slots is not None
             self._lasting[mark] = rows, keys, slots
+
+
+def _unique(keys: list[Integers]) -> Integers:
+    """Return the keys of free unknowns, each once, in increasing order."""
+    ordered = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *keys]))
+    first = np.ones(len(ordered), dtype=bool)
+    first[1:] = ordered[1:] != ordered[:-1]
+    return ordered[first & (ordered >= 0)]
 
 
 class Solver(Protocol):

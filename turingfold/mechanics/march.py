@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import InadmissibleStateError, NotConvergedError, Operator, Potential, Scene, SolveError, State, stress_scale
-from .minimise import Equilibrium, Minimiser
+from .minimise import Equilibrium, Memory, Minimiser
 
 Array = NDArray[np.float64]
 
@@ -42,12 +42,14 @@ class Progress:
     """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
 
     previous: displacement before the last step and that step's length, from which the next start is predicted.
+    memory: what the minimiser carries from step to step.
     """
 
     state: State
     dt: float
     previous: Array | None = None
     previous_dt: float = 0.0
+    memory: Memory | None = None
 
 
 def begin(scene: Scene) -> Progress:
@@ -69,7 +71,9 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     started = perf_counter()
     operators = [term.on(scene.body) for term in scene.terms]
     held = scene.body.supported if any(operator.grounds for operator in operators) else scene.body.fixed
-    minimiser = Minimiser(2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations)
+    minimiser = Minimiser(2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations, progress.memory)
+    if progress.memory is not None and progress.memory.certified:
+        minimiser.certify(_potentials(operators, progress.state, progress.previous_dt), _flat(progress.state))
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
         if perf_counter() - started > stepping.seconds:
@@ -84,9 +88,8 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
                 raise _stopped(progress.state, until, str(error), error) from error
             progress = replace(progress, dt=dt / 2)
             continue
-        progress = Progress(
-            step.state, min(1.3 * dt, stepping.largest * until), progress.state["displacement"], dt
-        )
+        onward = min(1.3 * dt, stepping.largest * until)
+        progress = Progress(step.state, onward, progress.state["displacement"], dt, minimiser.memory)
         yield step, progress
 
 
@@ -105,11 +108,13 @@ def _attempt(
             raise InadmissibleStateError(f"the field {name!r} is not finite at t = {time:.4g}", time=time)
     effort.add("processes", began)
     state = state.updated(time, **fields)
-    potentials = tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
+    potentials = _potentials(operators, state, dt)
     x = _predicted(potentials, progress, dt)
     found = minimiser.minimise(potentials, x)
     state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
-    end = state["displacement"].T.ravel()
+    end = _flat(state)
+    if not np.array_equal(end, found.x):
+        minimiser.forget()
     numbers = {
         **_numbers(found, time, dt),
         "newton_iterations": effort.iterations - iterations,
@@ -121,11 +126,19 @@ def _attempt(
     return Step(state, numbers, potentials, dict(effort.seconds))
 
 
+def _potentials(operators: list[Operator], state: State, dt: float) -> tuple[Potential, ...]:
+    return tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
+
+
+def _flat(state: State) -> Array:
+    return state["displacement"].T.ravel()
+
+
 def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> State:
     """Return the state with what the potentials leave behind; they may end the step elsewhere than at x."""
     for potential in potentials:
         state = state.updated(**potential.finish(x))
-    onward = state["displacement"].T.ravel() - x
+    onward = _flat(state) - x
     if onward.any() and min(p.largest_step(x, onward) for p in potentials) < 1.0:
         raise InadmissibleStateError("the end of the step is not admissible", time=state.time)
     return state
@@ -133,7 +146,7 @@ def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> Stat
 
 def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
     """Return the displacement continued along the last step as far as admissible, if that lowers the energy."""
-    x = progress.state["displacement"].T.ravel()
+    x = _flat(progress.state)
     if progress.previous is None:
         return x
     ahead = (x - progress.previous.T.ravel()) * (dt / progress.previous_dt)

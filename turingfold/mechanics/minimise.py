@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene import Evaluation, NotConvergedError, Potential
-from .linear import Gatherer, NotPositiveDefinite, Solver, solver_for
+from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 ARMIJO = 1e-4
@@ -36,7 +37,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A minimum: displacement (2 n_nodes,), energy, relative residual, and whether the tangent was positive."""
+    """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and whether it is a minimum."""
 
     x: Array
     energy: float
@@ -44,16 +45,58 @@ class Equilibrium:
     stable: bool
 
 
+@dataclass(frozen=True)
+class Memory:
+    """What must be kept to go on to the last bit: matrix places, convexity level, whether a tangent is at hand."""
+
+    places: Integers
+    level: int
+    certified: bool
+
+
+@dataclass(frozen=True)
+class System:
+    """A factorised matrix."""
+
+    pattern: Pattern
+    values: Array
+    solver: Solver
+
+    def solve(self, b: Array) -> Array:
+        """Return the solution, refined once where its residual asks for it."""
+        x = self.solver.solve(b)
+        missing = b - self.pattern.times(self.values, x)
+        return x if np.linalg.norm(missing) <= 1e-10 * np.linalg.norm(b) else x + self.solver.solve(missing)
+
+
 class Minimiser:
     """Minimises sums of potentials over the free degrees of freedom; keeps patterns and factorisations."""
 
-    def __init__(self, n_dofs: int, fixed: NDArray[np.int64], tolerance: float, iterations: int) -> None:
-        self.gatherer = Gatherer(n_dofs, fixed)
+    def __init__(
+        self, n_dofs: int, fixed: Integers, tolerance: float, iterations: int, memory: Memory | None = None
+    ) -> None:
+        self.gatherer = Gatherer(n_dofs, fixed, None if memory is None else memory.places)
         self.tolerance, self.iterations = tolerance, iterations
         self.effort = Effort()
         self._solver: Solver | None = None
         self._solver_pattern: object = None
-        self._level = 0
+        self._level = 0 if memory is None else memory.level
+        self._certificate: System | None = None
+
+    @property
+    def memory(self) -> Memory:
+        """What the next minimisation owes to the earlier ones."""
+        return Memory(self.gatherer.places, self._level, self._certificate is not None)
+
+    def forget(self) -> None:
+        """Do not start the next minimisation with the tangent of the last one."""
+        self._certificate = None
+
+    def certify(self, potentials: Sequence[Potential], x: Array) -> None:
+        """Factorise the tangent at an equilibrium found earlier, as its own minimisation did."""
+        at = _evaluate(potentials, x)
+        if at is not None:
+            self._is_stable(at)
 
     def minimise(self, potentials: Sequence[Potential], x: Array) -> Equilibrium:
         """Return the equilibrium reached from x.
@@ -63,18 +106,19 @@ class Minimiser:
         at = _evaluate(potentials, x)
         if at is None:
             raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
-        stable = False
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             slope, residual = self._slope(at)
             self.effort.add("forces", begin)
             if not np.isfinite(residual):
                 raise NotConvergedError("the forces are not finite", residual=residual)
-            if residual <= self.tolerance and iteration > 0:
-                return Equilibrium(x, sum(e.energy for e in at), residual, stable)
+            if residual <= self.tolerance:
+                return Equilibrium(x, sum(e.energy for e in at), residual, self._is_stable(at))
             if iteration == self.iterations:
                 break
-            direction, stable = self._direction(at, slope)
+            direction = self._continued(slope) if iteration == 0 else None
+            if direction is None:
+                direction = self._direction(at, slope)
             x, at = self._search(potentials, x, at, slope, direction, residual)
             self.effort.iterations += 1
         raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
@@ -85,34 +129,50 @@ class Minimiser:
         scale = np.sqrt(sum(s for _, s in parts))
         return slope, float(np.linalg.norm(slope) / scale) if scale > 0 else float(np.linalg.norm(slope))
 
-    def _direction(self, at: list[Evaluation], slope: Array) -> tuple[Array, bool]:
-        """Return the Newton direction (all unknowns) and whether the true Hessian was positive definite."""
+    def _direction(self, at: list[Evaluation], slope: Array) -> Array:
+        """Return the Newton direction (all unknowns), with as much convexity added as the tangent needs."""
         for level in range(max(0, self._level - 1), len(CONVEXITY)):
-            begin = perf_counter()
-            pattern, values = self.gatherer.gather([e.hessian(CONVEXITY[level]) for e in at if e.curved])
-            begin = self.effort.add("tangents", begin)
-            if pattern is not self._solver_pattern:
-                self._solver, self._solver_pattern = solver_for(pattern), pattern
-                begin = self.effort.add("orderings", begin)
-            assert self._solver is not None
-            self.effort.factorizations += 1
-            try:
-                self._solver.factorize(values)
-            except NotPositiveDefinite:
+            system = self._factorized(at, CONVEXITY[level])
+            if system is None:
                 continue
-            else:
-                self._level = level
-                step = -self._solver.solve(slope)
-                missing = pattern.times(values, step) + slope
-                if np.linalg.norm(missing) > 1e-10 * np.linalg.norm(slope):
-                    step -= self._solver.solve(missing)
-                direction = np.zeros(self.gatherer.n_dofs)
-                direction[self.gatherer.free] = step
-                return direction, level == 0
-            finally:
-                self.effort.add("factorisations", begin)
+            self._level = level
+            return self._solved(system, slope)
         self._level = 0
         raise NotConvergedError("no convex approximation of the tangent is positive definite")
+
+    def _continued(self, slope: Array) -> Array | None:
+        """Return the direction by the tangent that certified the last equilibrium, if it did."""
+        system, self._certificate = self._certificate, None
+        return None if system is None else self._solved(system, slope)
+
+    def _solved(self, system: System, slope: Array) -> Array:
+        begin = perf_counter()
+        direction = np.zeros(self.gatherer.n_dofs)
+        direction[self.gatherer.free] = -system.solve(slope)
+        self.effort.add("factorisations", begin)
+        return direction
+
+    def _is_stable(self, at: list[Evaluation]) -> bool:
+        self._certificate = self._factorized(at, 0.0)
+        return self._certificate is not None
+
+    def _factorized(self, at: list[Evaluation], convexity: float) -> System | None:
+        """Return the factorised tangent, or None if it is not positive definite."""
+        begin = perf_counter()
+        pattern, values = self.gatherer.gather([e.hessian(convexity) for e in at if e.curved])
+        begin = self.effort.add("tangents", begin)
+        if pattern is not self._solver_pattern:
+            self._solver, self._solver_pattern = solver_for(pattern), pattern
+            begin = self.effort.add("orderings", begin)
+        assert self._solver is not None
+        self.effort.factorizations += 1
+        try:
+            self._solver.factorize(values)
+        except NotPositiveDefinite:
+            return None
+        finally:
+            self.effort.add("factorisations", begin)
+        return System(pattern, values, self._solver)
 
     def _search(
         self, potentials: Sequence[Potential], x: Array, at: list[Evaluation], slope: Array, direction: Array,
@@ -126,8 +186,7 @@ class Minimiser:
             raise NotConvergedError("the Newton direction leads uphill", residual=residual)
         step = min(p.largest_step(x, direction) for p in potentials)
         begin = self.effort.add("step bounds", begin)
-        # near the minimum the energy's last digits hide the decrease; allow for them
-        noise = 1e-14 * sum(abs(e.energy) for e in at)
+        noise = sum(e.grain for e in at)  # near the minimum, round-off hides the decrease
         while step > SHORTEST:
             trial = x + step * direction
             there = _evaluate(potentials, trial)
