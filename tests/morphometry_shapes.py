@@ -30,6 +30,15 @@ def mushrooms(lobes, amplitude, n=2400, arc=2 * np.pi):
     return np.stack((r * np.cos(phi), r * np.sin(phi)))
 
 
+def polygon(corners, step):
+    """Outline with straight sides, points at most `step` apart."""
+    points = []
+    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+        pieces = int(np.ceil(np.hypot(b[0] - a[0], b[1] - a[1]) / step))
+        points += [np.array(a) + (np.array(b) - np.array(a)) * k / pieces for k in range(pieces)]
+    return np.array(points).T
+
+
 def comb(fingers, width, slot, depth, base=1.0, step=0.01):
     """A slab with rectangular fingers on top, points at most `step` apart, counter-clockwise."""
     total = fingers * width + (fingers - 1) * slot
@@ -39,11 +48,7 @@ def comb(fingers, width, slot, depth, base=1.0, step=0.01):
         corners += [(left + width, depth), (left, depth)]
         if k:
             corners += [(left, 0.0), (left - slot, 0.0)]
-    points = []
-    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-        pieces = int(np.ceil(np.hypot(b[0] - a[0], b[1] - a[1]) / step))
-        points += [np.array(a) + (np.array(b) - a) * k / pieces for k in range(pieces)]
-    return np.array(points).T
+    return polygon(corners, step)
 
 
 def moved(points, angle=0.0, scale=1.0, shift=(0.0, 0.0)):

@@ -79,9 +79,12 @@ def test_overhanging_folds(arc):
 
 @pytest.mark.parametrize("slot", [0.2, 1e-4])
 def test_rectangular_fingers_with_open_and_touching_walls(slot):
-    folds = find_folds(comb(8, 0.3, slot, 0.7))
+    points = comb(8, 0.3, slot, 0.7)
+    folds = find_folds(points)
     assert folds.count == 7
     np.testing.assert_allclose(folds.depths, 0.7, rtol=1e-9)
+    floors = 0.3 + slot / 2 + (0.3 + slot) * np.arange(7)
+    np.testing.assert_allclose(np.sort(points[0, folds.sulci]), floors, atol=0.01)  # in their middle
     inner = np.sort(folds.widths)[:6]  # the gyrus between the last and the first slot is the body itself
     np.testing.assert_allclose(inner, 0.3, rtol=1e-9)
 

@@ -1,7 +1,7 @@
 """Checks of input, arc length, outer path, distances."""
 import numpy as np
 import pytest
-from morphometry_shapes import ellipse, flower
+from morphometry_shapes import ellipse, flower, polygon
 from scipy.special import ellipe
 
 from turingfold.morphometry.folds import find_folds, fold_count
@@ -107,14 +107,20 @@ def test_resampling_stays_on_the_curve_at_equal_steps(arc):
 
 
 def test_distance_to_a_square_is_signed_and_exact():
-    corner = np.linspace(0, 2, 6, endpoint=False)
-    square = np.hstack([np.stack(side) for side in (
-        (corner, 0 * corner), (0 * corner + 2, corner), (2 - corner, 0 * corner + 2), (0 * corner, 2 - corner)
-    )])
+    square = polygon([(0, 0), (2, 0), (2, 2), (0, 2)], 0.4)
     points = np.array([[1, 0.25], [1.1, 1], [5, 6], [-1, 1.3], [2, 1.3], [-3, -4]]).T
     expected = [-0.25, -0.9, 5, 1, 0, 5]
     for outline in (square, square[:, ::-1]):
         np.testing.assert_allclose(signed_distance(points, as_polyline(outline)), expected, atol=1e-14)
+
+
+@pytest.mark.parametrize("step", [1, -1])
+def test_all_around_a_sharp_corner_is_outside(step):
+    """Beyond a corner of 11 degrees most points lie behind one of its two sides."""
+    spike = polygon([(0, 0), (-5, 0.5), (-5, -0.5)], 0.1)[:, ::step]
+    turn = np.radians(np.linspace(-84, 84, 41))  # between the normals of the two sides
+    around = 0.05 * np.array([np.cos(turn), np.sin(turn)])
+    np.testing.assert_allclose(signed_distance(around, as_polyline(spike)), 0.05, rtol=1e-12)
 
 
 def test_distance_to_a_concave_outline_agrees_with_all_segments():

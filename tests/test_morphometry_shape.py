@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms
+from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms, polygon
 
 from turingfold.morphometry.pattern import registration
 from turingfold.morphometry.polyline import as_polyline, perimeter
@@ -108,6 +108,16 @@ def test_walls_touch_within_the_gap(gap, walls):
     assert touching == pytest.approx(walls, rel=1e-9)
 
 
+def test_only_the_parts_of_walls_that_face_each_other_touch():
+    """A notch whose walls are 1 and 0.5 high: 0.5 of each is in contact, and the step between two samples."""
+    notch = [(0, 0), (3, 0), (3, 1.5), (1.1, 1.5), (1.1, 1.0), (1.0, 1.0), (1.0, 2.0), (0, 2.0)]
+    assert wall_contact_length(polygon(notch, 0.01), 0.12) == pytest.approx(1.0, abs=0.011)
+
+
+def test_the_two_sides_of_a_thin_gyrus_do_not_touch():
+    assert wall_contact_length(comb(5, 0.05, 0.2, 0.8), 0.1) == 0.0
+
+
 def test_wall_contact_does_not_depend_on_where_the_points_are():
     walls = [wall_contact_length(comb(4, 0.3, 1e-5, 0.8, step=step), 1e-4) for step in (0.05, 0.013)]
     np.testing.assert_allclose(walls, 2 * 0.8 * 3, rtol=0.01)
@@ -131,6 +141,22 @@ def test_crossings_of_lissajous_figures(a, b, n):
 def test_a_crossing_through_vertices_counts_once(n):
     t = angles(n)
     assert self_intersections(np.array([np.sin(t), np.sin(t) * np.cos(t)])) == 1
+
+
+@pytest.mark.parametrize("first", [1, -1])
+@pytest.mark.parametrize("second", [1, -1])
+def test_a_crossing_in_a_common_vertex_counts_once(first, second):
+    """Both diagonals of a square, through (0, 0), with exact coordinates, in every direction."""
+    up = np.arange(-4, 5)
+    points = np.hstack((np.array([up, -up])[:, ::first], np.array([up, up])[:, ::second]))
+    for turned in (points, -points, points[::-1] * [[1], [-1]], points[::-1] * [[-1], [1]]):
+        assert self_intersections(turned, closed=True) == 1
+
+
+def test_crossing_of_two_long_segments_counts_once():
+    arc = 0.1 * ellipse(1, 1, 100, np.pi)
+    path = np.hstack((arc, [[-3, 3, 3, -3], [-1, -2, -1, -2]]))
+    assert self_intersections(path, closed=False) == 1
 
 
 def test_crossings_with_one_long_segment():
@@ -202,3 +228,13 @@ def test_registration_weighs_nodes_by_their_length():
     height = 1 + 0.1 * np.cos(11 * uneven)
     found = registration(np.cos(11 * uneven + 1.0), height * rest, rest)
     assert found == pytest.approx(np.cos(1.0), abs=2e-3)
+
+
+def test_the_trend_does_not_depend_on_the_spacing_of_the_nodes():
+    def found(theta):
+        rest = np.array([np.cos(theta), np.sin(theta)])
+        height = 1 + 0.1 * np.exp(theta) * np.cos(4 * theta + 0.3)
+        return registration(np.cos(4 * theta), rest * height, rest)
+
+    even = angles(2001, np.pi)
+    assert found(even + 0.45 * np.sin(2 * even)) == pytest.approx(found(even), abs=1e-5)

@@ -53,6 +53,13 @@ def test_resampling_keeps_similarity(arc):
         assert similarity(mushrooms(8, 0.2, 700, arc), mushrooms(8, 0.2, 2300, arc), p) > 0.99
 
 
+@pytest.mark.parametrize("start", [3, 7, 10])
+def test_outlines_are_matched_between_samples(start):
+    """Begun a part of a sample later (20 points are one), the same outline is as similar to itself."""
+    points = flower(12, 0.1, 4000)
+    assert similarity(points, np.roll(points, start, axis=1), np.inf, samples=200) > 0.99
+
+
 @steady
 @given(lobes=st.integers(2, 9), a=st.floats(0, 0.3), b=st.floats(0, 0.3), height=st.floats(0.5, 1))
 def test_similarity_lies_in_its_bounds_and_falls_with_p(lobes, a, b, height):
