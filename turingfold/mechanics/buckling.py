@@ -1,19 +1,20 @@
 """Buckling: the growth at which the tangent of the smooth solution stops being positive definite, and the mode.
 
-The base solution is followed by plain Newton steps on the true tangent, which go on through a bifurcation where a
-minimiser would leave for the folded branch. Signs of the pivots count the negative eigenvalues (Sylvester's law of
-inertia); between the last state without and the first one with any, the time at which the lowest eigenvalue λ of
-K v = λ M v vanishes is found by a bracketed secant.
+The base path is followed by plain Newton steps on the true tangent K, which go on through a bifurcation where a
+minimiser would leave for the folded branch; the signs of the pivots count the negative eigenvalues. The lowest
+eigenvalue of K v = λ K₀ v, with K₀ the tangent of the undeformed body, is the share of its stiffness that is left:
+1 at the start, almost linear in growth, 0 where the body buckles. Between the last stable state and the first
+unstable one the displacement is interpolated along the path, so that nothing is solved with a singular tangent.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, LinearOperator, SuperLU, eigsh, splu
@@ -30,6 +31,9 @@ Integers = NDArray[np.int64]
 
 VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
 STRAY = 1.0  # a correction larger than this share of the step itself has left the base path
+FINEST = 1e-4  # smallest step towards a limit point, as a share of the scene's time
+WORN = 0.1  # share of the stiffness below which a path that cannot be followed has come to a limit point
+ITERATIONS = 15  # of Newton's method on the base path; it needs four or five
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,23 +43,23 @@ class Buckling:
     growth: the largest tangential growth factor there (1 where nothing grows).  time: in the scene's units.
     mode: half waves along the pial surface, n of cos(nθ) on a half disc (of the whole body, for half of one).
     shape: the eigenvector, (2, n_nodes), its largest nodal displacement 1.
-    state: the base state.  eigenvalue: the lowest one there, of stiffness over area mass, Pa/m².
-    path: times and lowest eigenvalues examined around the crossing, (2, k).
+    state: the base state.  stiffness: the share of stiffness left there, as good as 0.
+    limit: whether the base path ends there and turns back, rather than going on unstable beyond a bifurcation.
     """
 
     growth: float
+    time: float
     mode: int
     shape: Array
-    time: float
     state: State
-    eigenvalue: float
-    path: Array
+    stiffness: float
+    limit: bool
 
     def switched(self, amplitude: float, dt: float) -> Progress:
-        """Return the progress from which `march` leaves along the buckled branch.
+        """Return the progress from which `march` goes on along the buckled branch.
 
-        The base displacement plus amplitude (m; its sign chooses between the two sides) times the mode; dt: the
-        next step in time, long enough that the branch lies further from the base path than `amplitude`.
+        The base displacement plus amplitude (m; its sign chooses between the two sides) times the mode.
+        dt: length of the first step from there, in the scene's time.
         """
         if finite("amplitude", amplitude) == 0:
             raise ValueError("amplitude=0 stays on the base path; give about a tenth of the cortical thickness in m.")
@@ -64,24 +68,29 @@ class Buckling:
 
 
 def buckling(scene: Scene) -> Buckling:
-    """Return the first loss of stability along the scene's smooth solution.
+    """Return the first loss of stability along the scene's smooth solution, followed in steps of `scene.stepping`.
 
-    It is followed in steps of `scene.stepping`. Terms that resist motion (inertia, drag) would stiffen the tangent
-    by their share of it: leave them out.
+    At a bifurcation the critical growth is interpolated; at a limit point it is found to 1e-4 of the scene's time.
+    Terms that resist motion (inertia, drag) would stiffen the tangent: leave them out.
     Raises NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
     """
     path = BasePath(scene)
-    stable, unstable = _bracket(path)
-    found = _crossing(path, stable, unstable)
-    value, vector = path.lowest(found)
-    shape = np.zeros(len(found.x))
+    nodes, limit = _bracket(path)
+    base = nodes[-1] if limit else _crossing(path, nodes)
+    stiffness, vector = path.lowest(base)
+    if limit and stiffness > WORN:
+        raise NotConvergedError(
+            f"The base path cannot be followed beyond t = {base.state.time:.6g}, growth "
+            f"{largest_growth(base.state):.4g}, though {stiffness:.0%} of the stiffness is left; use smaller steps "
+            "(Stepping(largest=...)) or smaller elements.",
+            time=base.state.time,
+        )
+    shape = np.zeros(len(base.x))
     shape[path.gatherer.free] = vector
-    shape = shape.reshape(-1, 2).T
-    shape = shape / np.hypot(*shape).max()
-    body, time = scene.body, found.state.time
+    shape = shape.reshape(-1, 2).T / np.hypot(*shape.reshape(-1, 2).T).max()
     return Buckling(
-        growth=largest_growth(found.state), mode=half_waves(body, shape), shape=shape, time=time,
-        state=found.state, eigenvalue=value, path=path.examined(),
+        growth=largest_growth(base.state), time=base.state.time, mode=half_waves(scene.body, shape), shape=shape,
+        state=base.state, stiffness=stiffness, limit=limit,
     )
 
 
@@ -133,11 +142,12 @@ class Indefinite:
     def __init__(self, pattern: Pattern) -> None:
         self._n = pattern.n
         marks = np.arange(1.0, len(pattern.keys) + 1)  # of the entries, to find them again after reordering
-        unit = _symmetric(pattern, np.where(pattern.rows == pattern.columns, 1.0 + pattern.n, 1e-3))
+        unit = symmetric(pattern, np.where(pattern.rows == pattern.columns, 1.0 + pattern.n, 1e-3))
         options = {"SymmetricMode": True}
         ordering = splu(unit, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
         self._order: Integers = np.argsort(ordering.perm_c)
-        self._places = _symmetric(pattern, marks)[self._order][:, self._order].tocsc()
+        self._places = symmetric(pattern, marks)[self._order][:, self._order].tocsc()
+        self._places.sort_indices()  # splu would do so in place, and part the entries from their marks
         self._take = self._places.data.astype(np.int64) - 1
 
     def factorize(self, values: Array) -> Factors:
@@ -153,7 +163,8 @@ class Indefinite:
         return Factors(lu, self._order, int(np.sum(lu.U.diagonal() < 0)))
 
 
-def _symmetric(pattern: Pattern, values: Array) -> csc_matrix:
+def symmetric(pattern: Pattern, values: Array) -> csc_matrix:
+    """Return the whole matrix whose lower triangle is given."""
     below = pattern.rows != pattern.columns
     rows = np.concatenate([pattern.rows, pattern.columns[below]])
     columns = np.concatenate([pattern.columns, pattern.rows[below]])
@@ -162,7 +173,7 @@ def _symmetric(pattern: Pattern, values: Array) -> csc_matrix:
 
 @dataclass(frozen=True)
 class BaseState:
-    """An equilibrium on the base path, stable or not: `tangent` on `pattern`, and its number of negative pivots."""
+    """A state on the base path, stable or not: `tangent` on `pattern`, and its number of negative pivots."""
 
     state: State
     x: Array
@@ -178,39 +189,49 @@ class BasePath:
         self.scene = scene
         self.operators = [term.on(scene.body) for term in scene.terms]
         self.gatherer = Gatherer(2 * scene.body.nodes.shape[1], scene.body.fixed)
-        self.mass = _mass(scene.body)
-        self.gatherer.gather([self.mass])
-        self._values: dict[float, float] = {}
-        self._solver: tuple[Pattern, Indefinite] | None = None
+        self.first = begin(scene).state
+        self._kept: tuple[Pattern, Indefinite] | None = None
+        at = evaluations(self._potentials(self.first, scene.stepping.first * scene.until), self.position(self.first))
+        if at is None:
+            raise NotConvergedError("the scene's start is not admissible", time=0.0)
+        self.rest = [e.hessian(0.0) for e in at if e.curved]
+        if self.solver(self.gatherer.gather(self.rest)[0]).factorize(self.gatherer.gather(self.rest)[1]).negative:
+            raise NotConvergedError("the scene is unstable at its start, before anything has grown", time=0.0)
 
-    @cached_property
-    def first(self) -> State:
-        """The state at the scene's start."""
-        return begin(self.scene).state
+    @staticmethod
+    def position(state: State) -> Array:
+        """Return the displacement node by node, (2 n_nodes,)."""
+        return state["displacement"].T.ravel()
+
+    def _potentials(self, state: State, dt: float) -> list[Potential]:
+        return [p for p in (operator.during(state, dt) for operator in self.operators) if p is not None]
 
     def solver(self, pattern: Pattern) -> Indefinite:
         """Return the factoriser of a pattern, kept until another pattern comes."""
-        if self._solver is None or self._solver[0] is not pattern:
-            self._solver = pattern, Indefinite(pattern)
-        return self._solver[1]
+        if self._kept is None or self._kept[0] is not pattern:
+            self._kept = pattern, Indefinite(pattern)
+        return self._kept[1]
 
-    def step(self, start: State, dt: float, ahead: Array | None = None) -> BaseState:
+    def processed(self, start: State, dt: float) -> State:
+        """Return `start` with the fields that the processes have dt later."""
+        fields: dict[str, Array] = {}
+        for process in self.scene.processes:
+            fields |= process.advance(self.scene.body, State(start.time, {**start.fields, **fields}), dt)
+        return start.updated(start.time + dt, **fields)
+
+    def step(self, start: State, dt: float, ahead: Array | None) -> BaseState:
         """Return the equilibrium dt after `start`; ahead: the expected change of displacement (2 n_nodes,).
 
-        Raises NotConvergedError where Newton fails or ends up further from the expected place than that is away.
+        Raises NotConvergedError where Newton fails, or ends further from the expected place than that is away.
         """
-        scene, fields = self.scene, dict[str, Array]()
-        for process in scene.processes:
-            fields |= process.advance(scene.body, State(start.time, {**start.fields, **fields}), dt)
-        state = start.updated(start.time + dt, **fields)
-        potentials = [p for p in (operator.during(state, dt) for operator in self.operators) if p is not None]
-        old = start["displacement"].T.ravel()
+        state, old = self.processed(start, dt), self.position(start)
+        potentials = self._potentials(state, dt)
         guess = old if ahead is None else old + ahead
-        if ahead is not None and evaluations(potentials, guess) is None:
+        if evaluations(potentials, guess) is None:
             guess = old
         x, tangent, pattern, negative = self._newton(potentials, guess)
         if ahead is not None and np.linalg.norm(x - old - ahead) > STRAY * np.linalg.norm(ahead):
-            raise NotConvergedError(f"Newton left the base path at t = {state.time:.4g}", time=state.time)
+            raise NotConvergedError("Newton leaves the base path", time=state.time)
         for potential in potentials:
             state = state.updated(**potential.finish(x))
         state = state.updated(displacement=x.reshape(-1, 2).T.copy())
@@ -220,55 +241,58 @@ class BasePath:
         at = evaluations(potentials, x)
         if at is None:
             raise NotConvergedError("the start of the step is not admissible")
-        best = np.inf
-        for iteration in range(self.scene.stepping.iterations):
-            slope, residual = self._residual(at)
+        for iteration in range(ITERATIONS):
+            parts = [e.gradient() for e in at]
+            slope = np.sum([g for g, _ in parts], axis=0)[self.gatherer.free]
+            residual = float(np.linalg.norm(slope) / np.sqrt(sum(s for _, s in parts) or 1.0))
             pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
             factors = self.solver(pattern).factorize(tangent)
             if residual <= self.scene.stepping.tolerance and iteration > 0:
                 return x, tangent, pattern, factors.negative
-            if residual > 1e3 * best:
-                break
-            best = min(best, residual)
             move = -factors.solve(slope)
             move -= factors.solve(pattern.times(tangent, move) + slope)
             direction = np.zeros(len(x))
             direction[self.gatherer.free] = move
             x, at = _moved(potentials, at, x, direction, float(slope @ move))
-        raise NotConvergedError("Newton does not reach the base path", residual=residual)
+        raise NotConvergedError("Newton does not find the base path", residual=residual)
 
-    def _residual(self, at: list[Evaluation]) -> tuple[Array, float]:
-        parts = [e.gradient() for e in at]
-        slope = np.sum([g for g, _ in parts], axis=0)[self.gatherer.free]
-        scale = float(np.sqrt(sum(s for _, s in parts)))
-        return slope, float(np.linalg.norm(slope)) / (scale if scale > 0 else 1.0)
+    def between(self, nodes: Sequence[BaseState], time: float) -> BaseState:
+        """Return the state at `time` with the displacement, and what the terms remember, interpolated."""
+        start = nodes[-2].state
+        state = self.processed(start, time - start.time)
+        made = {name for process in self.scene.processes for name in process.writes}
+        times = np.array([node.state.time for node in nodes])
+        for name in start.fields:
+            if name not in made and all(name in node.state for node in nodes):
+                values = np.stack([node.state[name] for node in nodes])
+                state = state.updated(**{name: BarycentricInterpolator(times, values)(time)})
+        x = self.position(state)
+        at = evaluations(self._potentials(state, nodes[-1].state.time - start.time), x)
+        if at is None:
+            raise NotConvergedError("the interpolated base state is not admissible; use smaller steps", time=time)
+        pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
+        return BaseState(state, x, pattern, tangent, self.solver(pattern).factorize(tangent).negative)
 
     def lowest(self, base: BaseState) -> tuple[float, Array]:
-        """Return the lowest eigenpair of (tangent, mass); the vector over the free unknowns."""
-        pattern, solver = base.pattern, self.solver(base.pattern)
-        _, mass = self.gatherer.gather([self.mass])
-        sigma, below = 0.0, solver.factorize(base.tangent)
-        step = abs(self._values[min(self._values)]) if self._values else _scale(pattern, base.tangent, mass)
-        while below.negative:  # a shift below the whole spectrum makes the nearest eigenvalue the lowest one
-            sigma -= step
-            step *= 2
-            below = solver.factorize(base.tangent - sigma * mass)
-        shape = (pattern.n, pattern.n)
-        inverse = LinearOperator(shape, matvec=below.solve, dtype=float)
+        """Return the lowest eigenvalue of (K, K₀), and its vector over the free unknowns."""
+        pattern, rest = self.gatherer.gather(self.rest)
+        solver, shift, below = self.solver(pattern), 0.0, 0.01
+        factors = solver.factorize(base.tangent)
+        while factors.negative:  # below the whole spectrum the nearest eigenvalue is the lowest one
+            shift, below = shift - below, 2 * below
+            factors = solver.factorize(base.tangent - shift * rest)
+        inverse = LinearOperator((pattern.n, pattern.n), matvec=factors.solve, dtype=float)
         start = np.random.default_rng(self.scene.seed).standard_normal(pattern.n)
         try:
             values, vectors = eigsh(
-                _symmetric(pattern, base.tangent), k=1, M=_symmetric(pattern, mass), sigma=sigma, OPinv=inverse,
+                symmetric(pattern, base.tangent), k=1, M=symmetric(pattern, rest), sigma=shift, OPinv=inverse,
                 v0=start, tol=1e-8,
             )
         except ArpackError as error:
-            raise NotConvergedError(f"the lowest eigenpair at t = {base.state.time:.4g} is not found") from error
-        self._values[base.state.time] = float(values[0])
+            raise NotConvergedError(
+                f"the lowest eigenpair at t = {base.state.time:.4g} is not found", time=base.state.time
+            ) from error
         return float(values[0]), vectors[:, 0]
-
-    def examined(self) -> Array:
-        """Return the times and lowest eigenvalues found so far, (2, k)."""
-        return np.array(sorted(self._values.items())).T
 
 
 def _moved(
@@ -286,65 +310,48 @@ def _moved(
     raise NotConvergedError("the Newton direction leaves the admissible states at once")
 
 
-def _bracket(path: BasePath) -> tuple[BaseState, BaseState]:
-    """Return neighbouring states of the base path, the first stable and the second not."""
-    scene, state = path.scene, path.first
-    stepping, until = scene.stepping, scene.until
-    dt, ahead, previous = stepping.first * until, None, None
+def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
+    """Return up to three stable states and the first unstable one, or stable ones up to a limit point and True."""
+    stepping, until = path.scene.stepping, path.scene.until
+    nodes: list[BaseState] = []
+    state, dt, longest, ahead = path.first, stepping.first * until, stepping.largest * until, None
     while state.time < until * (1 - 1e-12):
         dt = min(dt, until - state.time)
-        try:
-            now = path.step(state, dt, None if ahead is None else ahead * dt)
-        except SolveError as error:
-            dt /= 2
-            if dt < stepping.smallest * until:
-                raise NotConvergedError(
-                    f"The base path stops at t = {state.time:.6g}, growth {largest_growth(state):.4g}: {error}. "
-                    "It has probably reached a limit point; look at smaller steps or another base.",
-                    time=state.time, residual=error.residual,
-                ) from error
-            continue
+        now = _attempt(path, state, dt, ahead)
+        if now is None:
+            dt = longest = dt / 2
+            if dt >= FINEST * until:
+                continue
+            if not nodes:
+                raise NotConvergedError("the base path has no first step; use a smaller Stepping(first=...)", time=0.0)
+            return nodes, True
         if now.negative:
-            if previous is None:
-                raise NotConvergedError(f"already unstable at t = {now.state.time:.4g}; start with smaller steps.")
-            return previous, now
-        ahead = (now.x - state["displacement"].T.ravel()) / dt
-        state, previous, dt = now.state, now, min(1.3 * dt, stepping.largest * until)
+            if not nodes:
+                raise NotConvergedError("unstable after the first step; use a smaller Stepping(first=...)", time=dt)
+            return [*nodes, now], False
+        ahead = (now.x - path.position(state)) / (now.state.time - state.time)
+        state, nodes, dt = now.state, [*nodes[-2:], now], min(1.3 * dt, longest)
     raise NotConvergedError(
-        f"No loss of stability until t = {until:g}, growth {largest_growth(state):.4g}; let it grow more.",
-        time=until,
+        f"No loss of stability until t = {until:g}, growth {largest_growth(state):.4g}; let it grow more.", time=until
     )
 
 
-def _crossing(path: BasePath, stable: BaseState, unstable: BaseState) -> BaseState:
-    """Return the state between the two where the lowest eigenvalue vanishes."""
-    start, span = stable.state, unstable.state.time - stable.state.time
-    ahead = (unstable.x - stable.x) / span
-    seen = {0.0: stable, span: unstable}
-
-    def value(dt: float) -> float:
-        if dt not in seen:
-            seen[dt] = path.step(start, dt, ahead * dt)
-        return path.lowest(seen[dt])[0]
-
-    root = float(brentq(value, 0.0, span, xtol=1e-5 * path.scene.until, rtol=1e-8))
-    if root not in seen:
-        value(root)
-    return seen[root]
+def _attempt(path: BasePath, state: State, dt: float, ahead: Array | None) -> BaseState | None:
+    """Return the base state dt ahead, or None; a step that ends too near a bifurcation is tried a little longer."""
+    leap = dt > 0.1 * path.scene.stepping.largest * path.scene.until
+    for length in (dt, 1.5 * dt) if leap else (dt,):
+        try:
+            found = path.step(state, length, None if ahead is None else ahead * length)
+        except SolveError:
+            continue
+        return found if length == dt or found.negative else None
+    return None
 
 
-def _scale(pattern: Pattern, tangent: Array, mass: Array) -> float:
-    """Return a small share of the tangent's size relative to the mass."""
-    diagonal = pattern.rows == pattern.columns
-    return 1e-6 * float(np.abs(tangent[diagonal]).max() / mass[diagonal].max())
-
-
-def _mass(body: Body) -> Hessian:
-    """Return the mass matrix ∫ v·w dA of unit area density."""
-    quadrature = body.quadrature
-    low, high = np.tril_indices(6)[::-1]
-    values = (quadrature.shapes[low] * quadrature.shapes[high]) @ quadrature.weights
-    one, other = 2 * body.triangles[low], 2 * body.triangles[high]
-    rows, columns = np.maximum(one, other), np.minimum(one, other)
-    return Hessian(np.concatenate([rows, rows + 1]), np.concatenate([columns, columns + 1]),
-                   np.concatenate([values, values]), lasting=True)
+def _crossing(path: BasePath, nodes: list[BaseState]) -> BaseState:
+    """Return the state between the last two nodes where the lowest eigenvalue vanishes."""
+    start, end = nodes[-2].state.time, nodes[-1].state.time
+    root = brentq(
+        lambda time: path.lowest(path.between(nodes, time))[0], start, end, xtol=1e-3 * (end - start), rtol=1e-7
+    )
+    return path.between(nodes, float(root))
