@@ -15,7 +15,8 @@ from .stability import Conditions
 
 @dataclass(frozen=True)
 class Mode:
-    """A Laplace–Neumann mode: K φ = μ M φ with ∫φ² = 1; half_waves: sign changes of φ along the line of nodes.
+    """A Laplace–Neumann mode: K φ = μ M φ with ∫φ² = 1; half_waves: sign changes of φ along the line of
+    nodes.
 
     value: μ, one over length².  shape: φ, (n_nodes,).
     """
@@ -37,10 +38,12 @@ def modes_near(space: Discretisation, target: float, count: int, line: Integers)
     line: nodes in order along one side of the band.  Signs make the first value on the line positive.
     """
     n = space.size
-    shift = target + 1e-7 * (target + 1 / space.area)  # off the eigenvalue 0, and off `target` if it is one
+    shift = target - 0.1 / space.area  # below the eigenvalue 0, and off `target` if it is an eigenvalue
     inverse = LinearOperator((n, n), matvec=factorised(space.stiffness - shift * space.mass).solve)
     start = 1 + np.cos(np.arange(n))  # a fixed start: the same modes, to the last bit, in every run
-    values, shapes = eigsh(space.stiffness, min(count, n - 1), M=space.mass, sigma=shift, OPinv=inverse, v0=start)
+    values, shapes = eigsh(
+        space.stiffness, min(count, n - 1), M=space.mass, sigma=shift, OPinv=inverse, v0=start
+    )
     found = []
     for k in np.argsort(values):
         shape = shapes[:, k] / math.sqrt(shapes[:, k] @ (space.mass @ shapes[:, k]))
@@ -65,8 +68,9 @@ def mode_with(space: Discretisation, half_waves: int, line: Integers, length: fl
     resolved = length / half_waves / space.edge
     if resolved < 2:
         raise ValueError(
-            f"half_waves={half_waves} leaves {resolved:.3g} elements to a half wave of {length / half_waves:.4g}, "
-            f"and it needs 2: the largest element has edges of {space.edge:.4g}; use elements of at most "
+            f"half_waves={half_waves} leaves {resolved:.3g} elements to a half wave of "
+            f"{length / half_waves:.4g}, and it needs 2: the largest element has edges of {space.edge:.4g}; "
+            "use elements of at most "
             f"{length / half_waves / 2:.4g}."
         )
     for count in (6, 24):  # the eigenvalues of a curved band lie near those of the straight one
@@ -74,8 +78,8 @@ def mode_with(space: Discretisation, half_waves: int, line: Integers, length: fl
             if mode.half_waves == half_waves:
                 return mode
     raise ValueError(
-        f"half_waves={half_waves}: none of the 24 modes of the band nearest to k² = {target:.4g} has that many sign "
-        "changes along the pial surface; ask for another number, or for a band of more even width."
+        f"half_waves={half_waves}: none of the 24 modes of the band nearest to k² = {target:.4g} has that "
+        "many sign changes along the pial surface; ask for another number, or for a band of more even width."
     )
 
 

@@ -20,10 +20,11 @@ from .steady import SteadyState, refine, settle
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """What is chosen for a body: conditions with its diffusivities (m² per unit of kinetic time) and the mode.
+    """What is chosen for a body: conditions with its diffusivities (m² per unit of kinetic time) and the
+    mode.
 
-    space: linear elements on the band.  line: its nodes along the pial surface, in order; the first comes again at
-    the end of a closed line.  middle: the node at the apex.
+    space: quadratic elements on the band.  line: its nodes along the pial surface, in order; the first comes
+    again at the end of a closed line.  middle: the node at the apex.
     """
 
     conditions: Conditions
@@ -44,12 +45,12 @@ class Pattern:
     @property
     def activator(self) -> Array:
         """Activator at the band's nodes, shape (n_band_nodes,)."""
-        return self.steady.state[0 if self.design.conditions.activator == "u" else 1]
+        return np.asarray(self.steady.state[0 if self.design.conditions.activator == "u" else 1])
 
     @property
     def inhibitor(self) -> Array:
         """Inhibitor at the band's nodes, shape (n_band_nodes,)."""
-        return self.steady.state[1 if self.design.conditions.activator == "u" else 0]
+        return np.asarray(self.steady.state[1 if self.design.conditions.activator == "u" else 0])
 
     @property
     def normalised(self) -> Array:
@@ -63,18 +64,18 @@ class Turing:
     """Steady Turing pattern on the cortical band, with a chosen number of half waves along it.
 
     kinetics: the reaction; must be Turing-unstable at `ratio`.
-    half_waves: of the pattern along the whole pial surface: the diffusivities are scaled so that the band's own
-        Laplace mode with that many is the one that grows fastest. Even numbers put a peak of the activator at
-        the apex. The half of a mirror-symmetric body holds half as many.
+    half_waves: of the pattern along the whole pial surface: the diffusivities are scaled so that the band's
+        own Laplace mode with that many is the one that grows fastest. Even numbers put a peak of the
+        activator at the apex. The half of a mirror-symmetric body holds half as many.
     ratio: d_inhibitor / d_activator; by default the published one of the kinetics.
-    initial: "mode" starts from that mode; "noise" from waves of random strength up to three times shorter, and
-        the number of half waves may then come out differently.
+    initial: "mode" starts from that mode; "noise" from waves of random strength up to three times shorter,
+        and the number of half waves may then come out differently.
     amplitude: of the start, relative to the activator's steady state (absolute where that is 0).
     symmetric: makes the pattern its own mirror image about the body's vertical axis x = 0.
 
-    Writes "activator" and "inhibitor" in the kinetics' units and "pattern", the activator from 0 to 1, each of
-    shape (n_band_nodes,). Raises ValueError if the kinetics are not Turing-unstable or the band or its mesh
-    cannot hold the half waves, NotConvergedError if no stable pattern is reached.
+    Writes "activator" and "inhibitor" in the kinetics' units and "pattern", the activator from 0 to 1, each
+    of shape (n_band_nodes,). Raises ValueError if the kinetics are not Turing-unstable or the band or its
+    mesh cannot hold the half waves, NotConvergedError if no stable pattern is reached.
     """
 
     kinetics: Kinetics
@@ -97,8 +98,8 @@ class Turing:
         positive("amplitude", self.amplitude, at_most=0.5)
         if self.symmetric and self.half_waves % 2:
             raise ValueError(
-                f"half_waves={self.half_waves} is odd, and an odd number of half waves is not mirror-symmetric; "
-                "use an even number or symmetric=False."
+                f"half_waves={self.half_waves} is odd, and an odd number of half waves is not "
+                "mirror-symmetric; use an even number or symmetric=False."
             )
         at_ratio(self.kinetics, self.ratio)
 
@@ -117,16 +118,16 @@ class Turing:
 
     def design(self, body: Body) -> Design:
         """Return the diffusivities that suit the body, and the mode they favour."""
-        space = discretise(body.cortex.mesh, 1)
+        space = discretise(body.cortex.mesh, 2)
         line, middle = pial_line(body)
         mode = mode_with(space, self._half_waves_on(body), line, space.area / body.thickness, body.thickness)
         found = at_ratio(self.kinetics, self.ratio).scaled_to(mode.value)
-        shortest = math.pi / math.sqrt(found.shortest_k2)
+        shortest = 2 * math.pi / math.sqrt(found.shortest_k2)
         if shortest < 2 * space.edge:
             raise ValueError(
-                f"half_waves={self.half_waves}: the activator's shortest half wave, π √(D_a/J_aa) = {shortest:.4g} m, "
-                f"needs 2 elements, and the largest has edges of {space.edge:.4g} m; use elements of at most "
-                f"{shortest / 2:.4g} m."
+                f"half_waves={self.half_waves}: the shortest wave the activator can make, 2π √(D_a/J_aa) = "
+                f"{shortest:.4g} m, needs 2 elements, and the largest has edges of {space.edge:.4g} m; use "
+                f"elements of at most {shortest / 2:.4g} m."
             )
         return Design(found, mode, space, line, middle)
 
@@ -135,9 +136,9 @@ class Turing:
         # the way to the pattern is run on linear elements, the pattern itself solved on quadratic ones
         design = self.design(body)
         found, mesh = design.conditions, body.cortex.mesh
-        linear = ReactionDiffusion(design.space, self.kinetics, found.d_u, found.d_v)
-        quadratic = ReactionDiffusion(discretise(mesh, 2), self.kinetics, found.d_u, found.d_v)
-        settled = settle(linear, self._begin(body, design, seed))
+        linear = ReactionDiffusion(discretise(mesh, 1), self.kinetics, found.d_u, found.d_v)
+        quadratic = ReactionDiffusion(design.space, self.kinetics, found.d_u, found.d_v)
+        settled = settle(linear, self._begin(body, design, seed)[:, : mesh.nvertices])
         vertices = settled.state
         guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
         if self.symmetric:
@@ -149,8 +150,8 @@ class Turing:
             return self.half_waves
         if self.half_waves % 2:
             raise ValueError(
-                f"half_waves={self.half_waves} is odd, and the half of a mirror-symmetric body holds half of an even "
-                "number; use an even number or the whole body."
+                f"half_waves={self.half_waves} is odd, and the half of a mirror-symmetric body holds half "
+                "of an even number; use an even number or the whole body."
             )
         return self.half_waves // 2
 
@@ -179,11 +180,11 @@ class Turing:
 
 
 def pial_line(body: Body) -> tuple[Integers, int]:
-    """Return the band's vertices along the pial surface, in order, and the one at the apex."""
+    """Return the band's nodes along the pial surface, in order, and the one at the apex."""
     band = body.cortex
     place = np.full(body.nodes.shape[1], -1)
     place[band.nodes] = np.arange(len(band.nodes))
-    line = place[body.pial[::2]]
+    line = place[body.pial]
     if body.pial_curve.closed:
         line = np.append(line, line[0])
     if body.mirror:
@@ -196,10 +197,12 @@ def mirrored(nodes: Array) -> Integers:
     """Return for each node the one at its mirror image about x = 0; raise ValueError if there is none."""
     from scipy.spatial import cKDTree
 
-    distance, partner = cKDTree(nodes.T).query(nodes.T * [-1.0, 1.0])
+    found, partner = cKDTree(nodes.T).query(nodes.T * [-1.0, 1.0])
+    distance = np.asarray(found)
     if distance.max() > 1e-6 * np.ptp(nodes):
         raise ValueError(
-            f"symmetric=True: the mesh is not its own mirror image about x = 0 (a node is {distance.max():.3g} m from "
-            "the nearest image); use semicircle or semiellipse, or symmetric=False."
+            f"symmetric=True: the mesh is not its own mirror image about x = 0 (a node is "
+            f"{distance.max():.3g} m from the nearest image); use semicircle or semiellipse, or "
+            "symmetric=False."
         )
     return np.asarray(partner, dtype=np.int64)

@@ -1,7 +1,7 @@
 """A reaction–diffusion system on a triangle mesh: M ∂w/∂t = M f(w) − D K w with zero flux.
 
-w holds u and v at the nodes, shape (2, n_nodes); M and K are mass and stiffness. Reactions are evaluated at the
-nodes and interpolated, so that their Jacobian is M times a diagonal and uniform states react exactly.
+w holds u and v at the nodes, shape (2, n_nodes); M and K are mass and stiffness. Reactions are evaluated at
+the nodes and interpolated, so that their Jacobian is M times a diagonal and uniform states react exactly.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ class Discretisation:
     @property
     def size(self) -> int:
         """Number of nodes."""
-        return self.nodes.shape[1]
+        return int(self.nodes.shape[1])
 
     @cached_property
     def weights(self) -> Array:
         """Integral of each shape function, shape (n_nodes,); their sum is the area."""
-        return np.asarray(self.mass.sum(axis=0)).ravel()
+        return np.asarray(self.mass.sum(axis=0), dtype=np.float64).ravel()
 
     @property
     def area(self) -> float:
@@ -73,7 +73,9 @@ class Discretisation:
         # pattern of the two-species matrix, unknowns interleaved node by node, and where each of its entries
         # is found in the four blocks uu, uv, vu, vv laid end to end
         count = self.mass.nnz
-        numbers = csc_array((np.arange(1, count + 1), self.mass.indices, self.mass.indptr), shape=self.mass.shape)
+        numbers = csc_array(
+            (np.arange(1, count + 1), self.mass.indices, self.mass.indptr), shape=self.mass.shape
+        )
         offsets = np.array([[0, count], [2 * count, 3 * count]])
         pattern = csc_array(kron(numbers, np.ones((2, 2), dtype=int), format="csc"))
         pattern.sort_indices()
@@ -82,7 +84,7 @@ class Discretisation:
         return pattern, take.astype(np.int64)
 
     def coupled(self, blocks: tuple[Array, Array, Array, Array]) -> csc_array:
-        """Return the matrix of both species, unknowns u₀ v₀ u₁ v₁ ..., from the entries of its four blocks."""
+        """Return the matrix of both species, unknowns u₀ v₀ u₁ v₁ ..., from its four blocks' entries."""
         pattern, take = self._coupled
         values = np.concatenate(blocks)[take]
         return csc_array((values, pattern.indices, pattern.indptr), shape=pattern.shape)
@@ -98,7 +100,9 @@ def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Disc
     if degree not in (1, 2):
         raise ValueError(f"degree={degree!r} must be 1 or 2.")
     if lumped and degree == 2:
-        raise ValueError("lumped=True needs degree=1: lumped quadratic elements have no mass at the vertices.")
+        raise ValueError(
+            "lumped=True needs degree=1: lumped quadratic elements have no mass at the vertices."
+        )
     if degree == 1:
         nodes = np.asarray(mesh.p[:, : mesh.nvertices], dtype=float)
         basis = Basis(MeshTri1(nodes, mesh.t, validate=False), ElementTriP1(), intorder=2)
@@ -119,7 +123,7 @@ def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Disc
 
 @dataclass(frozen=True, eq=False)
 class ReactionDiffusion:
-    """Two morphogens on a discretised mesh, in units of the kinetics' time; diffusivities in mesh units² / time."""
+    """Two morphogens on a discretised mesh; diffusivities in mesh units² per unit of the kinetics' time."""
 
     space: Discretisation
     kinetics: Kinetics

@@ -1,7 +1,7 @@
 """Adaptive linearly implicit (Rosenbrock) integration of the coupled system: one factorisation a step.
 
-Stage i of a step h from w solves (M/(hγ) − J) U_i = F(w + Σ a_ij U_j) + M Σ c_ij U_j / h, and the step ends at
-w + Σ m_i U_i. Theory: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), chapter IV.7.
+Stage i of a step h from w solves (M/(hγ) − J) U_i = F(w + Σ a_ij U_j) + M Σ c_ij U_j / h, and the step ends
+at w + Σ m_i U_i. Theory: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), chapter IV.7.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .reaction_diffusion import ReactionDiffusion
 
 @dataclass(frozen=True, eq=False)
 class Tableau:
-    """Coefficients: `alpha` strictly lower, `gamma` lower with one diagonal value, weights and embedded weights."""
+    """Coefficients: `alpha` strictly lower, `gamma` lower with one diagonal value, two sets of weights."""
 
     order: int
     alpha: Array
@@ -35,7 +35,13 @@ class Tableau:
         inverse = np.linalg.inv(self.gamma)
         diagonal = float(self.gamma[0, 0])
         c = np.tril(np.eye(len(inverse)) / diagonal - inverse, -1)
-        return diagonal, self.alpha @ inverse, c, self.weights @ inverse, (self.weights - self.embedded) @ inverse
+        return (
+            diagonal,
+            self.alpha @ inverse,
+            c,
+            self.weights @ inverse,
+            (self.weights - self.embedded) @ inverse,
+        )
 
 
 def _lower(diagonal: float, rows: tuple[tuple[float, ...], ...]) -> Array:
@@ -59,7 +65,9 @@ ROS34PW2 = Tableau(
             (2.4212380706095346e-01, -1.2232505839045147, 5.4526025533510214e-01),
         ),
     ),
-    weights=np.array([2.4212380706095346e-01, -1.2232505839045147, 1.5452602553351020, 4.3586652150845900e-01]),
+    weights=np.array(
+        [2.4212380706095346e-01, -1.2232505839045147, 1.5452602553351020, 4.3586652150845900e-01]
+    ),
     embedded=np.array(
         [3.7810903145819369e-01, -9.6042292212423178e-02, 5.0000000000000000e-01, 2.1793326075422950e-01]
     ),
@@ -88,8 +96,8 @@ def march(
 ) -> Iterator[Moment]:
     """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
 
-    tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the largest
-    value of each species.  first: first step; default a tenth of the fastest reaction time.
+    tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the
+    largest value of each species.  first: first step; default a tenth of the fastest reaction time.
     Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
     """
     positive("tolerance", tolerance, at_most=0.5)
@@ -118,7 +126,12 @@ def march(
 
 
 def _step(
-    system: ReactionDiffusion, state: Array, step: float, tableau: Tableau, tolerance: float, floor: float | None
+    system: ReactionDiffusion,
+    state: Array,
+    step: float,
+    tableau: Tableau,
+    tolerance: float,
+    floor: float | None,
 ) -> tuple[Array, float]:
     diagonal, a, c, m, difference = tableau.transformed
     solve = system.solver(state, 1 / (step * diagonal))

@@ -1,7 +1,7 @@
-"""Linear stability of a uniform state: Turing's four conditions, the critical ratio, the band, the fastest mode.
+"""Linear stability of a uniform state: Turing's four conditions, critical ratio, band and fastest mode.
 
-With J = ∂(p, q)/∂(u, v) at the steady state, a small pattern of squared wave number k² grows as exp(λ t), where λ
-is an eigenvalue of J − k² diag(d_u, d_v). Formulas: Murray, Mathematical Biology II (2003), chapter 2.
+With J = ∂(p, q)/∂(u, v) at the steady state, a small pattern of squared wave number k² grows as exp(λ t),
+where λ is an eigenvalue of J − k² diag(d_u, d_v). Formulas: Murray, Mathematical Biology II (2003), ch. 2.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ class Conditions:
     activator: "u" or "v", the species with the positive diagonal entry of the Jacobian; "" if there is none.
     ratio, critical_ratio: d_inhibitor / d_activator, given and at the onset of instability.
     critical_k2: squared wave number at the onset, the activator's diffusivity kept.
-    band: squared wave numbers between which modes grow.  fastest_k2, fastest_rate: of the mode that grows most.
+    band: squared wave numbers between which modes grow.  fastest_k2, fastest_rate: of the mode that grows
+        most.
     hopf_margin: −tr J; where it turns negative the uniform state oscillates, at `hopf_frequency` = √det J.
     """
 
@@ -81,7 +82,7 @@ class Conditions:
         return np.asarray(direction / direction[0 if self.activator == "u" else 1])
 
     def scaled_to(self, k2: float) -> Conditions:
-        """Return the conditions with both diffusivities scaled so that k2 is the fastest wave number squared."""
+        """Return the conditions with both diffusivities scaled so that k2 belongs to the fastest mode."""
         scale = self.fastest_k2 / positive("k2", k2)
         return conditions(self.kinetics, self.d_u * scale, self.d_v * scale)
 
@@ -94,8 +95,9 @@ class Conditions:
         """Return one line or a table, with pass or fail."""
         verdict = "Turing-unstable" if self.unstable else "NOT Turing-unstable"
         parameters = ", ".join(f"{name}={value:g}" for name, value in self.kinetics.parameters.items())
+        name = type(self.kinetics).__name__
         lines = [
-            f"{type(self.kinetics).__name__}({parameters}), d_u={self.d_u:.6g}, d_v={self.d_v:.6g}: {verdict}",
+            f"{name}({parameters}), d_u={self.d_u:.6g}, d_v={self.d_v:.6g}: {verdict}",
             *(f"  {check}" for check in self.checks),
             f"  steady state u={self.steady_state[0]:.9g}, v={self.steady_state[1]:.9g}"
             f" (of {len(self.steady_states)}); activator {self.activator or 'none'}",
@@ -111,14 +113,14 @@ class Conditions:
 def conditions(kinetics: Kinetics, d_u: float, d_v: float) -> Conditions:
     """Examine a kinetics with diffusivities d_u, d_v > 0 for a Turing instability.
 
-    Of several steady states the one examined is the first that is Turing-unstable, else the first that is stable
-    without diffusion, else the first. Raises ValueError if there is none.
+    Of several steady states the one examined is the first that is Turing-unstable, else the first that is
+    stable without diffusion, else the first. Raises ValueError if there is none.
     """
     d_u, d_v = positive("d_u", d_u), positive("d_v", d_v)
     states = kinetics.steady_states()
     if not states:
         raise ValueError(
-            f"{kinetics!r} has no uniform steady state{' with positive u and v' if kinetics.non_negative else ''}; "
+            f"{kinetics!r} has no uniform steady state{' with positive u and v' * kinetics.non_negative}; "
             "change its parameters."
         )
     found = [_examine(kinetics, d_u, d_v, states, state) for state in states]
@@ -127,7 +129,7 @@ def conditions(kinetics: Kinetics, d_u: float, d_v: float) -> Conditions:
 
 
 def at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
-    """Examine a kinetics with the activator's diffusivity 1 and the inhibitor's `ratio`, default the published one.
+    """Examine a kinetics with activator diffusivity 1 and inhibitor diffusivity `ratio` (default: published).
 
     Raises ValueError, with the table of conditions, if that is not Turing-unstable.
     """
@@ -138,12 +140,14 @@ def at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
             return case
     case = found[1] if found[1].activator == "v" else found[0]
     raise ValueError(
-        f"ratio={ratio:g}: no pattern forms, because not all four conditions of a Turing instability hold; take a "
-        f"ratio above the critical one, or other parameters.\n{case}"
+        f"ratio={ratio:g}: no pattern forms, because not all four conditions of a Turing instability hold; "
+        f"take a ratio above the critical one, or other parameters.\n{case}"
     )
 
 
-def _examine(kinetics: Kinetics, d_u: float, d_v: float, states: tuple[Point, ...], state: Point) -> Conditions:
+def _examine(
+    kinetics: Kinetics, d_u: float, d_v: float, states: tuple[Point, ...], state: Point
+) -> Conditions:
     J = kinetics.jacobian(state)
     (f_u, f_v), (g_u, g_v) = J.tolist()
     trace, det, cross = f_u + g_v, f_u * g_v - f_v * g_u, -f_v * g_u
@@ -217,7 +221,7 @@ def hopf_boundary(kinetics: Kinetics, parameter: str, between: tuple[float, floa
     ends = trace(between[0]), trace(between[1])
     if ends[0] * ends[1] > 0:
         raise ValueError(
-            f"tr J is {ends[0]:g} at {parameter}={between[0]:g} and {ends[1]:g} at {parameter}={between[1]:g}: "
-            "there is no Hopf boundary between them; widen `between`."
+            f"tr J is {ends[0]:g} at {parameter}={between[0]:g} and {ends[1]:g} at "
+            f"{parameter}={between[1]:g}: there is no Hopf boundary between them; widen `between`."
         )
     return float(brentq(trace, *between, xtol=1e-14, rtol=1e-14))

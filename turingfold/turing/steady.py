@@ -52,7 +52,8 @@ def newton(
 ) -> tuple[Array, float, int]:
     """Solve M f(w) = D K w by Newton's method; return the state, its relative residual and the iterations.
 
-    Raises NotConvergedError if the residual is not below the tolerance, or has stopped falling near round-off.
+    Raises NotConvergedError if the residual is not below the tolerance, or has stopped falling near
+    round-off.
     """
     residual = relative_residual(system, state)
     for iteration in range(iterations):
@@ -94,7 +95,7 @@ def leading_eigenvalue(system: ReactionDiffusion, state: Array, *, count: int = 
 
 
 def speed(system: ReactionDiffusion, state: Array) -> float:
-    """Return the largest rate of change, relative to the pattern's height and the fastest reaction; 0 at rest."""
+    """Return the largest rate of change over the pattern's height and the fastest reaction rate."""
     slopes = system.kinetics.derivatives(*state)
     fastest = max(float(np.abs(slope).max()) for slope in slopes)
     change = np.abs(system.rate(state)) / abs(system.space.mass).sum(axis=0)
@@ -103,7 +104,12 @@ def speed(system: ReactionDiffusion, state: Array) -> float:
 
 
 def settle(
-    system: ReactionDiffusion, start: Array, *, until: float = math.inf, steps: int = 1000, tolerance: float = 1e-2
+    system: ReactionDiffusion,
+    start: Array,
+    *,
+    until: float = math.inf,
+    steps: int = 1000,
+    tolerance: float = 1e-2,
 ) -> SteadyState:
     """Run from a start until the pattern stands, polish it with Newton's method, and certify it.
 
@@ -115,7 +121,10 @@ def settle(
     for moment in march(system, start, until=until, tolerance=tolerance):
         if speed(system, moment.state) < slow:
             slow *= 0.1  # what stands still may yet be unstable: then wait ten times longer
-            state, residual, iterations = newton(system, moment.state)
+            try:
+                state, residual, iterations = newton(system, moment.state)
+            except NotConvergedError:
+                continue
             leading = leading_eigenvalue(system, state)
             if leading.real < 0:
                 return SteadyState(state, residual, leading, moment.time, moment.steps, iterations)
@@ -138,8 +147,8 @@ def refine(system: ReactionDiffusion, coarse: SteadyState, state: Array) -> Stea
     leading = leading_eigenvalue(system, state)
     if leading.real >= 0:
         raise NotConvergedError(
-            f"the steady state is unstable on the quadratic elements (leading eigenvalue {leading:.3g}) though "
-            "stable on the linear ones; use smaller elements.",
+            f"the steady state is unstable on the quadratic elements (leading eigenvalue {leading:.3g}) "
+            "though stable on the linear ones; use smaller elements.",
             residual=residual,
         )
     return SteadyState(state, residual, leading, coarse.time, coarse.steps, iterations)

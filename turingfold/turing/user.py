@@ -103,6 +103,7 @@ class UserKinetics(Kinetics):
             worst = int(np.argmax(np.abs(mine - theirs)))
             if abs(mine[worst] - theirs[worst]) > 1e-5 * scale:
                 raise ValueError(
-                    f"UserKinetics: slopes gives {name}={theirs[worst]:g} at u={at[0][worst]:g}, v={at[1][worst]:g}, "
-                    f"but differences of the rates give {mine[worst]:g}; correct slopes or leave it out."
+                    f"UserKinetics: slopes gives {name}={theirs[worst]:g} at u={at[0][worst]:g}, "
+                    f"v={at[1][worst]:g}, but differences of the rates give {mine[worst]:g}; correct slopes "
+                    "or leave it out."
                 )
