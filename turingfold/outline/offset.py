@@ -1,0 +1,154 @@
+"""The gray-white interface: the line at one depth below the pial surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .line import Line
+from .repair import inside, intersections
+
+Array = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+FINE = 24  # samples per thickness
+SLACK = 4e-3  # share of the thickness by which a sample may be too close before it counts as swallowed
+REACH = 6.0  # an end of the interface is continued over this many samples to meet the base
+
+
+def interface(pial: Line, thickness: float, loop: Array, rounding: float = 0.0) -> Array:
+    """Return the interface as a fine polyline (2, n), in the direction of the pial surface.
+
+    loop: the outline as a closed polygon. Where normals of length `thickness` meet, the offset curve crosses
+    itself: this raises ValueError, saying where, or with `rounding` (m) makes the interface turn there with
+    that radius.
+    A closed pial surface gives a line whose last point is its first.
+    """
+    reach = thickness + rounding
+    s = _samples(pial, reach)
+    on, normal = pial.at(s), pial.normal(s)
+    if not pial.closed:
+        on, normal, s = _with_turns(pial, on, normal, s)
+    deep = on + reach * normal
+    distance, _ = cKDTree(pial.at(pial.spaced(reach / (4 * FINE))).T).query(deep.T)
+    kept = np.asarray(distance >= reach * (1 - SLACK))
+    if not pial.closed:
+        kept &= inside(deep, loop)
+    if not kept.any():
+        raise ValueError(
+            f"thickness={thickness:g} m leaves no white matter anywhere inside the outline; use a thinner "
+            f"cortex."
+        )
+    used = np.flatnonzero(kept)
+    within = (
+        np.ones_like(kept)
+        if pial.closed
+        else (np.arange(len(s)) >= used[0]) & (np.arange(len(s)) <= used[-1])
+    )
+    lost = within & ~kept
+    if lost.any() and rounding == 0:
+        raise ValueError(_refusal(pial, s[lost], thickness))
+    shallow = on + thickness * normal
+    parts = _rounded(deep, shallow, kept, pial.closed, reach, rounding)
+    return np.concatenate([*parts, parts[0][:, :1]] if pial.closed else parts, axis=1)
+
+
+def onto_base(white: Array, base: Array) -> Array:
+    """Return an open interface with its two ends moved to where it meets the base polyline (2, m)."""
+    moved = white.copy()
+    for end, neighbour in ((0, 1), (-1, -2)):
+        before, step = white[:, neighbour], REACH * (white[:, end] - white[:, neighbour])
+        ahead = np.stack([before, before + step])[:, :, None]
+        _, _, share, _ = intersections(ahead, np.stack([base[:, :-1], base[:, 1:]]))
+        if not len(share):
+            raise ValueError(
+                f"the gray-white interface ends at ({white[0, end]:.4g}, {white[1, end]:.4g}) m without "
+                f"reaching "
+                "the base; move the ends of the base, or use a thinner cortex."
+            )
+        moved[:, end] = before + share.min() * step
+    return moved
+
+
+def _samples(pial: Line, reach: float) -> Array:
+    """Return arc lengths at which both the pial surface and its offset advance by about reach/FINE."""
+    even = np.linspace(0.0, pial.length, max(64, round(pial.length * FINE / reach)))
+    density = 1.0 + reach * np.abs(pial.curvature(even))
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(even))])
+    number = max(64, round(count[-1] * FINE / reach))
+    s = np.interp(np.linspace(0.0, count[-1], number), count, even)
+    return s[:-1] if pial.closed else s
+
+
+def _with_turns(pial: Line, on: Array, normal: Array, s: Array) -> tuple[Array, Array, Array]:
+    """Add the normals that turn outward around the two ends of an open pial surface."""
+    angle = np.linspace(0.0, 0.75 * np.pi, 2 * FINE)[1:]
+    before, after = angle[::-1], angle
+    first, last = normal[:, 0], normal[:, -1]
+    # the tangent is the normal turned back by a right angle
+    turned = [
+        np.outer(first, np.cos(before)) - np.outer([first[1], -first[0]], np.sin(before)),
+        normal,
+        np.outer(last, np.cos(after)) + np.outer([last[1], -last[0]], np.sin(after)),
+    ]
+    count = len(angle)
+    ends = [np.repeat(on[:, :1], count, axis=1), on, np.repeat(on[:, -1:], count, axis=1)]
+    along = np.concatenate([np.zeros(count), s, np.full(count, pial.length)])
+    return np.concatenate(ends, axis=1), np.concatenate(turned, axis=1), along
+
+
+def _rounded(
+    deep: Array, shallow: Array, kept: Booleans, closed: bool, reach: float, rounding: float
+) -> list[Array]:
+    """Return the kept runs of `shallow`, in order, and between them arcs around the corners of `deep`."""
+    if closed:
+        gaps = np.flatnonzero(kept & ~np.roll(kept, 1))
+        shift = -int(gaps[0]) if len(gaps) else 0
+        deep, shallow, kept = np.roll(deep, shift, 1), np.roll(shallow, shift, 1), np.roll(kept, shift)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], kept.astype(int), [0]])))
+    runs = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    parts: list[Array] = []
+    for k, (begin, end) in enumerate(runs):
+        parts.append(shallow[:, begin:end])
+        if (len(runs) == 1 and kept.all()) or (k == len(runs) - 1 and not closed):
+            continue
+        onward = runs[(k + 1) % len(runs)][0]
+        gap = np.hypot(*(deep[:, end - 1] - deep[:, onward]))
+        if gap > 0.25 * reach:
+            raise ValueError(
+                f"the cortex cuts the white matter in two near ({deep[0, end - 1]:.4g}, "
+                f"{deep[1, end - 1]:.4g}) m: "
+                f"the interface jumps by {gap:.3g} m there; use a thinner cortex."
+            )
+        parts.append(
+            _arc(
+                0.5 * (deep[:, end - 1] + deep[:, onward]), shallow[:, end - 1], shallow[:, onward], rounding
+            )
+        )
+    return parts
+
+
+def _arc(centre: Array, start: Array, end: Array, radius: float) -> Array:
+    """Return points between `start` and `end`, counter-clockwise around the centre."""
+    a, b = complex(*(start - centre)), complex(*(end - centre))
+    turn = np.angle(b / a) % (2 * np.pi)
+    count = max(2, round(turn * FINE / np.pi))
+    spin = np.angle(a) + turn * np.arange(1, count) / count
+    return centre[:, None] + radius * np.stack([np.cos(spin), np.sin(spin)])
+
+
+def _refusal(pial: Line, lost: Array, thickness: float) -> str:
+    bend = pial.curvature(lost)
+    k = int(np.argmax(bend))
+    x, y = pial.at(lost[k : k + 1])[:, 0]
+    cause = (
+        f"its radius of curvature is {1 / bend[k]:.3g} m there"
+        if bend[k] * thickness > 0.9
+        else "opposite sides of the outline come closer than two thicknesses there"
+    )
+    return (
+        f"thickness={thickness:g} m is too large near ({x:.4g}, {y:.4g}) m, {lost[k]:.3g} m along the pial "
+        f'surface: {cause}. Use a thinner cortex, smooth=..., or tight="trim", which rounds the interface '
+        f'there.'
+    )
