@@ -1,3 +1,4 @@
+from . import plots as plots
 from .body import Body as Body
 from .geometry import half as half
 from .geometry import semicircle as semicircle

@@ -1,0 +1,157 @@
+"""The command line: turingfold run, list, draw, stability, compare.
+
+Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
+Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+import textwrap
+import traceback
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TextIO
+
+BAD_INPUT, STOPPED, IO_FAILED, INTERRUPTED = 2, 3, 4, 130
+WIDTH = 100
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Do what the command line asks for and return the exit status."""
+    options = parser().parse_args(arguments)
+    for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
+        os.environ[name] = str(options.threads)
+    logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
+    from .scene import SolveError
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("default", UserWarning)
+        warnings.showwarning = _note
+        try:
+            return int(options.command(options))
+        except KeyboardInterrupt:
+            return _failed(options, _interrupted(options), INTERRUPTED)
+        except SolveError as error:
+            return _failed(options, str(error), STOPPED)
+        except OSError as error:
+            return _failed(options, error.strerror or str(error), IO_FAILED)
+        except ValueError as error:
+            return _failed(options, str(error), BAD_INPUT)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    top = argparse.ArgumentParser(prog="turingfold", description="Cortical folding in two dimensions.")
+    commands = top.add_subparsers(required=True, metavar="COMMAND")
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--threads", type=_at_least_one, default=1, metavar="N", help="BLAS threads (1)")
+    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    stored = argparse.ArgumentParser(add_help=False)
+    stored.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes() and draw()")
+    stored.add_argument("--quick", action="store_true", help="the small version, kept apart")
+    stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
+
+    run = commands.add_parser("run", parents=[stored, common], help="run a case, draw its figure")
+    run.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    run.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
+    run.add_argument("--overwrite", action="store_true", help="replace results that are there")
+    run.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes run at a time (1)")
+    run.set_defaults(command=_run)
+
+    draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
+    draw.set_defaults(command=_draw)
+
+    names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
+    names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders (cases)")
+    names.set_defaults(command=_list)
+
+    stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")
+    stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
+    stability.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="repeatable")
+    stability.add_argument("--ratio", type=float, metavar="D", help="d_inhibitor / d_activator")
+    stability.set_defaults(command=_stability)
+
+    compare = commands.add_parser("compare", parents=[common], help="morphometry of two results side by side")
+    compare.add_argument("a", type=Path, metavar="A", help="folder of a result")
+    compare.add_argument("b", type=Path, metavar="B", help="folder of another one")
+    compare.add_argument("--figure", type=Path, metavar="PNG", help="draw one on the other")
+    compare.set_defaults(command=_compare)
+    return top
+
+
+def _run(options: argparse.Namespace) -> int:
+    from .cli_run import run
+
+    return run(options)
+
+
+def _draw(options: argparse.Namespace) -> int:
+    from .cli_case import load_case
+    from .cli_run import draw
+
+    print(f"figure: {draw(load_case(options.case), options)}")
+    return 0
+
+
+def _list(options: argparse.Namespace) -> int:
+    from .cli_case import find_cases, load_case
+
+    for path in find_cases(options.cases):
+        case = load_case(path)
+        print(f"{path}: {case.title}")
+        for name in case.scenes(quick=True):
+            print(f"    {name}")
+    return 0
+
+
+def _stability(options: argparse.Namespace) -> int:
+    from .cli_tools import stability
+
+    print(stability(options.kinetics, options.param, options.ratio))
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from .cli_tools import compare
+
+    print(compare(options.a, options.b, options.figure))
+    return 0
+
+
+def _at_least_one(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{number} must be at least 1")
+    return number
+
+
+def _interrupted(options: argparse.Namespace) -> str:
+    if not hasattr(options, "resume"):
+        return "stopped."
+    words = ["turingfold run", str(options.case), *(["--quick"] if options.quick else [])]
+    words += [f"--out {options.out}"] if options.out else []
+    words += [f"--only {name!r}" for name in options.only or []]
+    return f"stopped; nothing before the last checkpoint is lost. Go on with: {' '.join(words)} --resume"
+
+
+def _failed(options: argparse.Namespace, message: str, status: int) -> int:
+    if options.debug:
+        traceback.print_exc()
+    for line in f"turingfold: {message}".splitlines():
+        # tables keep their columns, long sentences are wrapped
+        wrapped = textwrap.fill(line, WIDTH, break_on_hyphens=False) if len(line) > WIDTH else line
+        print(wrapped, file=sys.stderr)
+    return status
+
+
+def _note(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, file: TextIO | None = None,
+    line: str | None = None,
+) -> None:  # fmt: skip
+    print(f"turingfold: note: {message}", file=sys.stderr)

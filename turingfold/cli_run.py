@@ -1,0 +1,204 @@
+"""turingfold run and draw: scenes of a case one after the other or in processes, then its figure."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+from .cli import STOPPED
+from .cli_case import Case, folder_name, load_case
+from .cli_figure import figure_path, save_figure
+from .output.history import read_history
+from .results import Result, load
+from .run import Row, simulate
+from .scene import Scene, SolveError
+
+Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
+POLL = 0.2  # s between looks at what other processes have done
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene to run: where its case is and where its result goes."""
+
+    case: Path
+    name: str
+    quick: bool
+    folder: Path
+    resume: bool
+    overwrite: bool
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the scenes, say what became of them, draw the figure; return the exit status."""
+    case = load_case(options.case)
+    scenes = case.scenes(quick=options.quick, only=options.only or ())
+    base = results_of(case, options)
+    jobs = [
+        Job(options.case, name, options.quick, base / folder_name(name), options.resume, options.overwrite)
+        for name in scenes
+    ]
+    with progress(scenes) as report:
+        if options.jobs > 1:
+            stopped = _together(jobs, options.jobs, report)
+        else:
+            stopped = _in_turn(jobs, scenes, report)
+    begun = [job for job in jobs if (job.folder / "states").is_dir()]
+    results = {job.name: load(job.folder, known=case.known) for job in begun}
+    for line in told(case.name, results, base):
+        print(line)
+    for name, message in stopped.items():
+        print(f"turingfold: {name}: {message}", file=sys.stderr)
+    if stopped:
+        return STOPPED
+    if case.draw is not None:
+        needed = case.scenes(quick=options.quick)
+        missing = [name for name in needed if not (base / folder_name(name) / "states").is_dir()]
+        if missing:
+            print(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
+        else:
+            print(f"figure: {draw(case, options)}")
+    return 0
+
+
+def results_of(case: Case, options: argparse.Namespace) -> Path:
+    """Return the folder of a case's results: DIR/<case>, by default in results or results/quick."""
+    out: Path = options.out or (Path("results/quick") if options.quick else Path("results"))
+    return out / case.name
+
+
+def draw(case: Case, options: argparse.Namespace) -> Path:
+    """Draw a case's figure from its stored results and return where it is."""
+    if case.draw is None:
+        raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
+    base = results_of(case, options)
+    names = case.scenes(quick=options.quick)
+    results = {name: load(base / folder_name(name), known=case.known) for name in names}
+    path = figure_path(case.path, base, apart=options.quick or options.out is not None)
+    with save_figure(path) as figure:
+        case.draw(results, figure)
+    return path
+
+
+def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> dict[str, str]:
+    """Run scenes one after the other; return the messages of those that stopped."""
+    stopped = {}
+    for job in jobs:
+        spent = 0
+
+        def show(row: Row, name: str = job.name) -> None:
+            nonlocal spent
+            spent += int(row["newton_iterations"])
+            report(name, row, spent)
+
+        try:
+            simulate(
+                scenes[job.name], job.folder, progress=show, resume=job.resume, overwrite=job.overwrite
+            )
+        except SolveError as error:
+            stopped[job.name] = str(error)
+    return stopped
+
+
+def _together(jobs: list[Job], count: int, report: Report) -> dict[str, str]:
+    """Run scenes in `count` processes; return the messages of those that stopped."""
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        futures = {pool.submit(_alone, job): job for job in jobs}
+        running: set[Future[str]] = set(futures)
+        try:
+            while running:
+                done, running = wait(running, timeout=POLL)
+                for future, job in futures.items():
+                    rows = read_history(job.folder) if not future.done() or future in done else []
+                    if rows:
+                        report(job.name, rows[-1], int(sum(row["newton_iterations"] for row in rows)))
+                for future in done:
+                    future.result()
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+        return {job.name: future.result() for future, job in futures.items() if future.result()}
+
+
+def _alone(job: Job) -> str:
+    """Run one scene in a process of its own; return why it stopped, or nothing."""
+    import logging
+
+    logging.getLogger("skfem").setLevel(logging.ERROR)
+    scene = load_case(job.case).scenes(quick=job.quick, only=[job.name])[job.name]
+    try:
+        simulate(scene, job.folder, resume=job.resume, overwrite=job.overwrite)
+    except SolveError as error:
+        return str(error)
+    return ""
+
+
+@contextmanager
+def progress(scenes: Mapping[str, Scene]) -> Iterator[Report]:
+    """Show a bar per scene on the terminal; silent where standard error is none."""
+    if not sys.stderr.isatty():
+        yield lambda name, row, iterations: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
+        TextColumn("growth {task.fields[growth]:.3f}, {task.fields[iterations]} iterations,"),
+        TimeRemainingColumn(), TextColumn("left"),
+    )  # fmt: skip
+    with Progress(*columns, console=Console(stderr=True)) as bars:
+        tasks = {
+            name: bars.add_task(name, total=scene.until, growth=1.0, iterations=0)
+            for name, scene in scenes.items()
+        }
+
+        def report(name: str, row: Row, iterations: int) -> None:
+            bars.update(tasks[name], completed=row["time"], growth=row["growth"], iterations=iterations)
+
+        yield report
+
+
+def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
+    """Yield what a person wants to know: five lines for one scene, a line each for several."""
+    summaries = {name: result.summary() for name, result in results.items()}
+    if len(results) != 1:
+        width = max(map(len, results), default=0)
+        for name, s in summaries.items():
+            yield (
+                f"{name:<{width}}  growth {s['growth']:.2f}  {s['folds']:>2} sulci  gyrification "
+                f"{s['gyrification_index']:.2f}  {_gyri(s['registration'])}  {s['steps']} steps, "
+                f"{s['seconds']:.0f} s{'' if s['converged'] else '  STOPPED EARLY'}"
+            )
+        yield f"results: {base}"
+        return
+    name, s = next(iter(summaries.items()))
+    end = "reached the end" if s["converged"] else "STOPPED EARLY"
+    yield (
+        f"{case}, {name}: {end} at growth {s['growth']:.2f} in {s['seconds']:.0f} s ({s['steps']} steps, "
+        f"{s['newton_iterations']} Newton iterations, {s['dofs']} unknowns)"
+    )
+    yield (
+        f"folds: {s['folds']} sulci, {1e3 * s['sulcal_depth']:.2f} mm deep on average; gyrification index "
+        f"{s['gyrification_index']:.2f}"
+    )
+    gap = "no contact" if s["min_gap"] is None else f"smallest gap between walls {1e6 * s['min_gap']:.0f} µm"
+    jacobian = "" if s["min_jacobian"] is None else f"; smallest J* {s['min_jacobian']:.2f}"
+    yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
+    yield f"pattern: {_gyri(s['registration'])}"
+    yield f"results: {base / folder_name(name)}"
+
+
+def _gyri(registration: float | None) -> str:
+    """Return where the gyri stand, as text."""
+    if registration is None:
+        return "no pattern"
+    if abs(registration) < 0.5:
+        return f"registration {registration:+.2f}"
+    return f"registration {registration:+.2f}, gyri {'on' if registration > 0 else 'between'} the activator's peaks"
