@@ -1,0 +1,94 @@
+"""Seeded noise: the same on every mesh, of unit variance, symmetric on request."""
+import numpy as np
+import pytest
+
+from turingfold.geometry import half, semicircle
+from turingfold.growth import TangentialGrowth
+from turingfold.imperfection import Imperfection, noise, roughened
+from turingfold.mechanics.elastic import Elastic
+from turingfold.mechanics.march import begin
+from turingfold.mechanics.material import NeoHookean
+from turingfold.scene import MissingFieldError, Scene
+
+
+def scene(body, *processes):
+    return Scene(body=body, terms=(Elastic(gray=NeoHookean(1.0, 5.0)),), processes=processes, seed=3)
+
+
+def body(size=0.05, **options):
+    return semicircle(radius=1.0, thickness=0.1, size=size, **options)
+
+
+def test_noise_has_unit_variance():
+    share = np.linspace(0.0, 1.0, 2001)
+    variances = [noise(share, 80, seed).var() for seed in range(200)]
+    # the mean of 200 variances, each over about 80 independent modes, scatters by 0.011
+    assert np.mean(variances) == pytest.approx(1.0, abs=0.05)
+
+
+def test_noise_is_seeded_and_symmetric_on_request():
+    share = np.linspace(0.0, 1.0, 301)
+    assert np.array_equal(noise(share, 40, 7), noise(share, 40, 7))
+    assert not np.allclose(noise(share, 40, 7), noise(share, 40, 8))
+    even = noise(share, 40, 7, symmetric=True)
+    assert even == pytest.approx(even[::-1], abs=1e-12)
+    plain = noise(share, 40, 7)
+    assert not np.allclose(plain, plain[::-1])
+
+
+@pytest.mark.parametrize("of", ["growth", "stiffness"])
+def test_same_noise_on_two_meshes(of):
+    growth = TangentialGrowth(cortex=1.9)
+    values = []
+    for size in (0.1, 0.025):
+        made = begin(scene(body(size), growth, Imperfection(amplitude=0.05, of=of, modes=20))).state
+        arc, depth = body(size).arc, body(size).depth
+        near = depth < 0.1
+        order = np.argsort(arc[near])
+        values.append(np.interp(np.linspace(0.2, 2.9, 200), arc[near][order], made["noise"][near][order]))
+    assert values[0] == pytest.approx(values[1], abs=0.12)  # of functions of unit variance, linearly interpolated
+
+
+def test_growth_is_multiplied_in_the_cortex_only():
+    growth = TangentialGrowth(cortex=1.9)
+    rough = Imperfection(amplitude=0.1)
+    start = begin(scene(body(), growth, rough)).state
+    plain = growth.advance(body(), start, 1.0)["growth"]
+    grown = rough.advance(body(), start.updated(growth=plain), 1.0)["growth"]
+    assert grown[0] - 1.0 == pytest.approx((plain[0] - 1.0) * (1.0 + 0.1 * start["noise"]), rel=1e-12)
+    assert np.array_equal(grown[1:], plain[1:])
+
+
+def test_half_body_gets_the_symmetric_noise_of_the_whole():
+    whole = body()
+    right = half(whole)
+    growth = TangentialGrowth(cortex=1.9)
+    left = begin(scene(right, growth, Imperfection(amplitude=0.1))).state["noise"]
+    all_of_it = begin(scene(whole, growth, Imperfection(amplitude=0.1, symmetric=True))).state["noise"]
+    keep = whole.mesh.p[0][whole.mesh.t].mean(0) > 0
+    assert left == pytest.approx(all_of_it[:, keep], abs=1e-10)
+
+
+def test_roughened_body_keeps_base_and_moves_the_pial_surface_by_the_noise():
+    smooth = body(0.025)
+    rough = roughened(smooth, 0.004, modes=20, seed=5)
+    shift = rough.nodes - smooth.nodes
+    x, y = smooth.nodes[:, smooth.pial]
+    share = np.arctan2(y, x) / np.pi
+    inner = (share > 0.1) & (share < 0.9)
+    radial = (shift[:, smooth.pial] * np.stack([x, y])).sum(0)
+    assert radial[inner] == pytest.approx(0.004 * noise(share, 20, 5)[inner], abs=1e-6)
+    assert shift[:, smooth.boundary_path("base")[0]] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_needs_growth_before_it():
+    with pytest.raises(MissingFieldError, match="growth"):
+        scene(body(), Imperfection(amplitude=0.1))
+
+
+@pytest.mark.parametrize("amplitude", [-0.1, 0.5, float("nan")])
+def test_bad_amplitude(amplitude):
+    with pytest.raises(ValueError, match="amplitude"):
+        Imperfection(amplitude=amplitude)
+    with pytest.raises(ValueError, match="amplitude"):
+        roughened(body(), amplitude)
