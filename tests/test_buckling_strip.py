@@ -1,7 +1,7 @@
 """The onset of buckling of a growing strip on a deep core, from its tangent at the exact homogeneous state.
 
-The threshold is found twice: by the program's tangent, and by the exact incremental equations, whose solutions
-in each homogeneous layer are e^{ikx} e^{sy} with s from a polynomial of degree 4.
+The threshold is found twice: by the program's tangent, and by the exact incremental equations, whose
+solutions in each homogeneous layer are e^{ikx} e^{sy} with s from a polynomial of degree 4.
 """
 from dataclasses import dataclass
 
