@@ -95,5 +95,7 @@ def roughened(body: Body, amplitude: float, *, modes: int = 80, seed: int = 0, s
     normal = np.stack([tangent[1], -tangent[0]])
     fade = np.clip(1.0 - (depth - body.thickness) / (2 * body.thickness), 0.0, 1.0)
     ends = np.clip(np.minimum(share, 1.0 - share) * body.pial_curve.length / body.thickness, 0.0, 1.0)
-    shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror)
-    return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + shift * normal))
+    shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror) * normal
+    moved = shift.T.ravel()
+    moved[body.supported] = 0.0
+    return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + moved.reshape(-1, 2).T))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mechanics.march import Progress
+from ..mechanics.minimise import Memory
 from ..scene import Scene, State
 from .codec import Arrays
 from .document import difference, stored
@@ -210,6 +211,9 @@ def _arrays(checkpoint: Checkpoint) -> Arrays:
     arrays["parts"], arrays["seconds"] = np.array(list(parts), dtype=np.str_), np.array(list(parts.values()))
     if progress.previous is not None:
         arrays["previous"] = progress.previous
+    if (memory := progress.memory) is not None:
+        arrays["memory.places"] = memory.places
+        arrays["memory.level"], arrays["memory.certified"] = np.array(memory.level), np.array(memory.certified)
     return arrays
 
 
@@ -217,6 +221,10 @@ def _checkpoint(arrays: Arrays) -> Checkpoint:
     time, dt, previous_dt, seconds = arrays["numbers"].tolist()
     own = [name for name in arrays if name.startswith("field.")]
     fields = {name.removeprefix("field."): arrays[name] for name in own}
-    progress = Progress(State(time, fields), dt, arrays.get("previous"), previous_dt)
+    memory = None
+    if "memory.places" in arrays:
+        level, certified = int(arrays["memory.level"]), bool(arrays["memory.certified"])
+        memory = Memory(arrays["memory.places"], level, certified)
+    progress = Progress(State(time, fields), dt, arrays.get("previous"), previous_dt, memory)
     parts = dict(zip(arrays["parts"].tolist(), arrays["seconds"].tolist(), strict=True))
     return Checkpoint(progress, int(arrays["step"]), seconds, parts)
