@@ -1,0 +1,206 @@
+"""What the mixed element computes at its integration points: positions, stresses, tangents and their integrals.
+
+Each element has 7 shape functions (six quadratic ones and the cubic bubble 27 ξη(1-ξ-η)), 12 integration points
+(order 6, positive weights) and a linear pressure of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Basis, ElementTriP2
+
+from ..body import Body, Quadrature
+from .convexity import negative_part
+from .elastic import Metric
+
+Array = NDArray[np.float64]
+
+ORDER = 6
+
+
+@dataclass(frozen=True)
+class Points:
+    """The integration points of the mixed element on a body.
+
+    quadrature: of order 6.  tangent: of the nearest pial point, (2, q, e).  slopes: of the 7 shape functions,
+    (7, 2q); of the bubble alone, (2, q).  linear: shape functions of the pressure, (3, q).
+    shown: slopes at the body's own points, (7, 2p), and linear_shown: (3, p).
+    spread, spread_back: from values at the body's points to values here and back, (q, p) and (p, q).
+    same, mixed: products of slopes, (49, 3q) and (49, 4q), to integrate tangents of equal and of two components.
+    volume: products of pressures' shape functions and slopes, (21, 2q).
+    """
+
+    quadrature: Quadrature
+    tangent: Array
+    slopes: Array
+    linear: Array
+    shown: Array
+    linear_shown: Array
+    spread: Array
+    spread_back: Array
+    same: Array
+    mixed: Array
+    volume: Array
+
+    @property
+    def bubble(self) -> Array:
+        """Gradient of the bubble's shape function, (2, q)."""
+        return self.slopes[6].reshape(2, -1)
+
+    def spread_out(self, values: Array) -> Array:
+        """Return positive values given at the body's points, (..., p, e), at the points here, (..., q, e).
+
+        Their logarithms are interpolated by quadratic polynomials: what is positive remains so.
+        """
+        return np.asarray(np.exp(self.spread @ np.log(values)))
+
+
+def points_on(body: Body) -> Points:
+    """Return the integration points of the mixed element on a body."""
+    quadrature = _quadrature(body)
+    flat = quadrature.points.reshape(2, -1)
+    tangent = body.pial_curve.nearest(flat)[1].reshape(quadrature.points.shape)
+    here, there = quadrature.shapes, body.quadrature.shapes
+    slopes = np.concatenate([quadrature.derivatives, _bubble_slope(_corners(here))[None]])
+    shown = np.concatenate([body.quadrature.derivatives, _bubble_slope(_corners(there))[None]])
+    q = here.shape[1]
+    pairs = slopes[:, None, :, None] * slopes[None, :, None, :]  # (7, 7, m, n, q)
+    equal = np.stack([pairs[:, :, 0, 0], pairs[:, :, 0, 1] + pairs[:, :, 1, 0], pairs[:, :, 1, 1]], axis=2)
+    return Points(
+        quadrature=quadrature,
+        tangent=tangent,
+        slopes=slopes.reshape(7, 2 * q),
+        linear=_corners(here),
+        shown=shown.reshape(7, -1),
+        linear_shown=_corners(there),
+        spread=here.T @ np.linalg.pinv(there.T),
+        spread_back=there.T @ np.linalg.pinv(here.T),
+        same=equal.reshape(49, 3 * q),
+        mixed=pairs.reshape(49, 4 * q),
+        volume=(_corners(here)[:, None, None] * slopes).reshape(21, 2 * q),
+    )
+
+
+def _quadrature(body: Body) -> Quadrature:
+    basis = Basis(body.mesh, ElementTriP2(), intorder=ORDER)
+    values = [basis.elem.lbasis(basis.X, i) for i in range(6)]
+    return Quadrature(
+        points=np.ascontiguousarray(np.swapaxes(basis.mapping.F(basis.X), 1, 2)),
+        shapes=np.stack([shape for shape, _ in values]),
+        derivatives=np.stack([slope for _, slope in values]),
+        inverse=np.ascontiguousarray(np.swapaxes(basis.mapping.invDF(basis.X), 2, 3)),
+        weights=np.ascontiguousarray(basis.dx.T),
+    )
+
+
+def _corners(quadratic: Array) -> Array:
+    """Return the linear shape functions from the quadratic ones: a corner's, and half those of its edge middles."""
+    a, b, c, ab, bc, ca = quadratic
+    return np.stack([a + 0.5 * (ab + ca), b + 0.5 * (ab + bc), c + 0.5 * (bc + ca)])
+
+
+def _bubble_slope(linear: Array) -> Array:
+    """Return the gradient of 27 λ₁λ₂λ₃ on the reference triangle, λ₁ = 1 - ξ - η; (2, q)."""
+    first, second, third = linear
+    return 27.0 * np.stack([third * (first - second), second * (first - third)])
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Deformation at the points: H = ∂x/∂ξ and H B, (2, 2, q, e); C = ∂J*/∂H likewise; I₁ and J*, (q, e)."""
+
+    H: Array
+    HB: Array
+    C: Array
+    I1: Array
+    J: Array
+
+
+def kinematics(H: Array, metric: Metric) -> Kinematics | None:
+    """Return what follows from H, or None where J* <= 0 somewhere."""
+    J = metric.delta * (H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0])
+    if not J.min() > 0:  # also catches NaN
+        return None
+    xx, xy, yy = metric.B
+    HB = np.stack([H[:, 0] * xx + H[:, 1] * xy, H[:, 0] * xy + H[:, 1] * yy], axis=1)
+    C = np.stack([np.stack([H[1, 1], -H[1, 0]]), np.stack([-H[0, 1], H[0, 0]])]) * metric.delta
+    return Kinematics(H, HB, C, (H * HB).sum((0, 1)) + metric.out2, J)
+
+
+@dataclass(frozen=True)
+class Law:
+    """Coefficients at the points, (q, e): P = a H B + b C, and c₁, c₂ of the tangent without the bulk modulus."""
+
+    a: Array
+    b: Array
+    c1: Array
+    c2: Array
+
+
+def law(mu: Array, at: Kinematics, pressure: Array) -> Law:
+    """Return the coefficients of the energy μ/2 (I₁ J^{-2/3} - 3) + p (J - 1) with the given p, (q, e)."""
+    a = mu * np.cbrt(at.J) ** -2
+    return Law(a, pressure - a * at.I1 / (3 * at.J), -2 * a / (3 * at.J), 5 * a * at.I1 / (9 * at.J**2))
+
+
+def tangents(at: Kinematics, metric: Metric, law: Law, convexity: float) -> tuple[Array, Array]:
+    """Return the weighted tangent at the points, with the share `convexity` of its negative part taken away.
+
+    For equal components i: (2, 3, q, e), the xx, xy and yy coefficients of slopes; for components 0 and 1:
+    (2, 2, q, e).
+    """
+    w, C = metric.weights, at.C
+    wa = w * law.a
+    # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
+    K = (w * law.c1) * at.HB + (0.5 * w * law.c2) * C
+    same = np.stack(
+        [
+            np.stack([
+                wa * metric.B[0] + 2 * K[i, 0] * C[i, 0],
+                wa * metric.B[1] + K[i, 0] * C[i, 1] + K[i, 1] * C[i, 0],
+                wa * metric.B[2] + 2 * K[i, 1] * C[i, 1],
+            ])
+            for i in (0, 1)
+        ]
+    )
+    mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]
+    turn = w * law.b * metric.delta
+    mixed[0, 1] += turn
+    mixed[1, 0] -= turn
+    if convexity > 0:
+        _add_negative_part(convexity, same, mixed, at, metric, law)
+    return same, mixed
+
+
+def _add_negative_part(
+    share: float, same: Array, mixed: Array, at: Kinematics, metric: Metric, law: Law
+) -> None:
+    F = deformation(at.H, metric.D)
+    where, weights, vectors = negative_part(F, np.sqrt(metric.out2), law.a, law.b, law.c1, law.c2)
+    weights = weights * (share * metric.weights.ravel()[where])
+    D = metric.D.reshape(2, 2, -1)[:, :, where]
+    N = np.zeros((2, 2, 2, 2, len(where)))
+    for weight, v in zip(weights, vectors, strict=True):
+        V = v[:, 0][:, None] * D[:, 0] + v[:, 1][:, None] * D[:, 1]
+        N += (weight * V)[:, :, None, None] * V
+    for i in (0, 1):
+        for k, (p, r) in enumerate(((0, 0), (0, 1), (1, 1))):
+            same[i, k].ravel()[where] += N[i, p, i, r]
+    mixed.reshape(2, 2, -1)[:, :, where] += N[0, :, 1, :]
+
+
+def deformation(H: Array, D: Array) -> Array:
+    """Return the in-plane part of F* = H D, (2, 2, q, e)."""
+    return np.stack([np.stack([(H[i] * D[:, k]).sum(0) for k in (0, 1)]) for i in (0, 1)])
+
+
+def von_mises(mu: Array, F: Array, out2: Array, J: Array) -> Array:
+    """Return the von Mises stress of F*, (2, 2, q, e) in the plane and F*_zz² = out2 across it; Pa."""
+    xx, yy = F[0, 0] ** 2 + F[0, 1] ** 2, F[1, 0] ** 2 + F[1, 1] ** 2
+    mean = (xx + yy + out2) / 3
+    xy = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1]
+    deviator2 = (xx - mean) ** 2 + (yy - mean) ** 2 + (out2 - mean) ** 2 + 2 * xy**2
+    return np.asarray(mu * np.cbrt(J) ** -5 * np.sqrt(1.5 * deviator2))
