@@ -2,14 +2,23 @@
 
     turingfold run cases/figure3.py      stores results/figure3, draws figures/figure3.png
 
-Half a brain slice of the 28th gestational week: radius 40.4 mm, cortex 2.5 mm, gray 1389 Pa, white 1895 Pa, the
-cortex growing by 90 % along its surface. The pattern has 24 half waves, that is 11 peaks inside and one at
-each end of the pial surface.
+Half a brain slice of the 28th gestational week: radius 40.4 mm, cortex 2.5 mm, gray 1389 Pa, white 1895 Pa,
+the cortex growing by 90 % along its surface. The pattern has 24 half waves: 11 peaks, and half a peak at each
+end of the pial surface.
 """
 
 from turingfold import (
-    AxonalTension, Elastic, NeoHookean, Scene, Schnakenberg, SelfContact, TangentialGrowth, Turing, plots, semicircle,
-)  # fmt: skip
+    AxonalTension,
+    Elastic,
+    NeoHookean,
+    Scene,
+    Schnakenberg,
+    SelfContact,
+    TangentialGrowth,
+    Turing,
+    plots,
+    semicircle,
+)
 
 THICKNESS = 2.5e-3
 PULL = AxonalTension(strength=0.5)

@@ -61,14 +61,14 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
     run.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
     run.add_argument("--overwrite", action="store_true", help="replace results that are there")
-    run.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes run at a time (1)")
+    run.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time (1)")
     run.set_defaults(command=_run)
 
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
     draw.set_defaults(command=_draw)
 
     names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
-    names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders (cases)")
+    names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders")
     names.set_defaults(command=_list)
 
     stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")

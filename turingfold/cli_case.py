@@ -19,8 +19,8 @@ from .scene import Scene
 # what a mistake in a case raises, apart from ValueError, which already says what is wrong
 MISTAKES = (ArithmeticError, AttributeError, ImportError, LookupError, NameError, SyntaxError, TypeError)
 EXPECTED = (
-    "a case has a docstring and two functions: scenes(quick=False), which returns a dict of names and Scenes, "
-    "and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
+    "a case has a docstring and two functions: scenes(quick=False), which returns a dict of names and "
+    "Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
 )
 
 

@@ -201,4 +201,5 @@ def _gyri(registration: float | None) -> str:
         return "no pattern"
     if abs(registration) < 0.5:
         return f"registration {registration:+.2f}"
-    return f"registration {registration:+.2f}, gyri {'on' if registration > 0 else 'between'} the activator's peaks"
+    where = "on" if registration > 0 else "between"
+    return f"registration {registration:+.2f}, gyri {where} the activator's peaks"

@@ -1,6 +1,6 @@
 """Pictures of a result, each a function of the Axes it draws on; lengths in mm, stresses in kPa.
 
-The colours can be told apart by the colour-blind: viridis and its kin for quantities, Okabe and Ito for lines.
+The colours can be told apart by the colour-blind: viridis for quantities, Okabe and Ito's for the rest.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def section(
     axes: Axes, result: Result, step: int = -1, *, field: str = "von_mises", bar: bool = True,
     limits: tuple[float, float] | None = None,
 ) -> Any:  # fmt: skip
-    """Draw the deformed body coloured by a field, with colour bar and scale bar; return what carries the colours.
+    """Draw the deformed body coloured by a field, with colour bar and scale bar; return what has the colours.
 
     field: "von_mises", "pressure" or "jacobian".  limits: of the colours, by default up to the value that is
     exceeded in 1 % of the area, so that a few points do not hide the rest.
@@ -68,10 +68,10 @@ def section(
     return mapped
 
 
-def outline(axes: Axes, body: Body, *, color: str = "#777777", label: str = "before folding") -> None:
+def outline(axes: Axes, body: Body, *, color: str = INK, label: str = "before folding") -> None:
     """Draw the undeformed outline, dashed."""
     points = MM * along_pial(body, body.nodes[:, body.pial])
-    axes.plot(*points, color=color, linewidth=1.0, linestyle=(0, (4, 3)), label=label)
+    axes.plot(*points, color=color, linewidth=1.1, linestyle=(0, (4, 3)), label=label)
 
 
 def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:
@@ -88,84 +88,86 @@ def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:
         _edge(axes, points, body)
     _frame(axes)
     if bar and mapped is not None:
-        axes.figure.colorbar(mapped, ax=axes, label="activator û", shrink=0.7, pad=0.02, ticks=[0, 0.5, 1])
+        _bar_inside(axes, mapped, "activator û", [0, 0.5, 1])
 
 
-def load_arrows(axes: Axes, scene: Scene, state: State, term: Term, *, count: int = 72) -> None:
-    """Draw the load of a term on the undeformed body, N/m² along the curve it acts on, as about `count` arrows."""
+def load_arrows(
+    axes: Axes, scene: Scene, state: State, term: Term, *, count: int = 96, share: float = 1.0
+) -> None:
+    """Draw the load of a term at the end of the scene on the undeformed body, as about `count` arrows.
+
+    The load is a force per area of the curve it acts on, N/m²; forces at the curve's ends are left out.
+    share: of the body's width that is shown, around the apex.
+    """
     body = scene.body
-    at_rest = np.zeros(body.nodes.size)
     potential = term.on(body).during(State(scene.until, state.fields), scene.until)
-    at = potential.evaluate(at_rest) if potential is not None else None
+    at = potential.evaluate(np.zeros(body.nodes.size)) if potential is not None else None
     if at is None:
         raise ValueError(f"{type(term).__name__} has no load to draw at the end of the scene.")
     forces = -at.gradient()[0].reshape(-1, 2).T
-    paths = (body.interface, body.pial)
-    path = max(paths, key=lambda nodes: float(np.abs(forces[:, nodes]).sum()))
+    path = max(body.interface, body.pial, key=lambda nodes: float(np.abs(forces[:, nodes]).sum()))
     start, load = _per_length(body.nodes[:, path], forces[:, path], count)
-    for points in _copies(body, body.nodes):
+    width, top = np.ptp(body.nodes[0]) * (2 if body.mirror else 1), body.nodes[1].max()
+    length = 1.6 * np.hypot(*np.diff(start)).mean() / np.hypot(*load).max()
+    for points, origin, arrow in zip(*(_copies(body, v) for v in (body.nodes, start, load)), strict=True):
         _core(axes, points, body)
-        axes.plot(*(MM * points[:, body.interface]), color="#999999", linewidth=0.8)
         _edge(axes, points, body)
-    length = 0.07 * np.ptp(body.nodes[0]) * MM / np.hypot(*load).max()
-    for origin, arrow in zip(_copies(body, start), _copies(body, load), strict=True):
+        axes.plot(*(MM * points[:, body.interface]), color="#999999", linewidth=0.8)
         axes.quiver(
-            *(MM * origin), *(length * arrow), angles="xy", scale_units="xy", scale=1, color=VERMILION, width=0.004,
-            zorder=3,
+            *(MM * origin), *(MM * length * arrow), angles="xy", scale_units="xy", scale=1, pivot="mid",
+            color=VERMILION, width=0.006, headwidth=4, headlength=4, headaxislength=3.5, zorder=3,
         )  # fmt: skip
     _frame(axes)
+    middle, low = _inside(body)
+    if share < 1:
+        axes.set_xlim(middle - MM * share * width / 2, middle + MM * share * width / 2)
+        axes.set_ylim(MM * (top - 0.47 * share * width), MM * (top + 0.03 * share * width))
+        low = MM * (top - 0.3 * share * width)
+    largest = f"largest {_shown(np.hypot(*load).max())} N/m²"
+    axes.text(middle, low, largest, color=VERMILION, ha="center", va="center")
 
 
 def pial_history(axes: Axes, result: Result, *, count: int = 8, bar: bool = True) -> None:
     """Draw the pial surface at `count` evenly spaced times, coloured by growth."""
-    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     times = np.array([state.time for state in result.states])
-    chosen = sorted({int(np.abs(times - t).argmin()) for t in np.linspace(times[0], times[-1], count)})
+    wanted = np.linspace(times[0], times[-1], count)
+    chosen = sorted({int(np.abs(times - time).argmin()) for time in wanted})
     factors = [growth(result.states[k]) for k in chosen]
-    colors = ScalarMappable(Normalize(min(factors), max(*factors, min(factors) + 1e-9)), colormaps["plasma"].with_extremes())
+    colors = ScalarMappable(Normalize(min(factors), max(*factors, min(factors) + 1e-9)), "viridis_r")
     for k, factor in zip(chosen, factors, strict=True):
-        axes.plot(*(MM * result.pial(k)), color=colors.to_rgba(np.array(0.9 * factor + 0.1 * min(factors))), linewidth=1.1)
+        axes.plot(*(MM * result.pial(k)), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
     _frame(axes)
     if bar:
-        axes.figure.colorbar(colors, ax=axes, label="tangential growth g", shrink=0.7, pad=0.02)
+        _bar_inside(axes, colors, "tangential growth", [min(factors), max(factors)])
 
 
 def scale_bar(axes: Axes, body: Body) -> None:
     """Draw a scale bar of a round length, about a fifth of the body, below it."""
-    (left, right), bottom = MM * np.array([body.nodes[0].min(), body.nodes[0].max()]), MM * body.nodes[1].min()
-    if body.mirror:
-        left = -right
-    length = _round(0.2 * (right - left))
-    y = bottom - 0.05 * (right - left)
-    axes.plot([right - length, right], [y, y], color=INK, linewidth=2.5, solid_capstyle="butt", clip_on=False)
-    axes.text(right - length / 2, y - 0.012 * (right - left), f"{length:g} mm", ha="center", va="top", color=INK)
+    x, y = MM * body.nodes
+    right, width = x.max(), np.ptp(x) * (2 if body.mirror else 1)
+    length, level = _round(0.2 * width), y.min() - 0.05 * width
+    axes.plot([right - length, right], [level, level], color=INK, linewidth=2.5, solid_capstyle="butt")
+    axes.text(right - length / 2, level - 0.012 * width, f"{length:g} mm", ha="center", va="top", color=INK)
 
 
-def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None:
+def folding(figure: Figure, result: Result, *, term: Term) -> None:
     """Draw the whole story of a scene with a pattern: activator, load of `term`, outlines, folded section."""
-    figure.set_size_inches(13, 5.6)
-    grid = figure.add_gridspec(3 if term is not None else 2, 2, width_ratios=(1, 2.1))
-    left = iter(range(3))
-    pattern_axes = figure.add_subplot(grid[next(left), 0])
-    activator(pattern_axes, result)
-    titles = [(pattern_axes, "activator on the cortical band")]
-    if term is not None:
-        load_axes = figure.add_subplot(grid[next(left), 0])
-        load_arrows(load_axes, result.scene, result.last, term)
-        titles.append((load_axes, "tension, as force on the tissue"))
-    time_axes = figure.add_subplot(grid[next(left), 0])
-    pial_history(time_axes, result)
-    titles.append((time_axes, "pial surface while it grows"))
-    main = figure.add_subplot(grid[:, 1])
+    figure.set_size_inches(13, 6)
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 2))
+    small, main = [figure.add_subplot(grid[k, 0]) for k in range(3)], figure.add_subplot(grid[:, 1])
+    activator(small[0], result)
+    load_arrows(small[1], result.scene, result.last, term, share=0.45)
+    pial_history(small[2], result)
     section(main, result)
     outline(main, result.scene.body)
-    main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, -0.02))
-    titles.append((main, measures(result)))
-    for letter, (axes, title) in zip("abcd", titles, strict=False):
-        axes.set_title(f"{letter}   {title}", loc="left", fontsize=10)
+    main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, 0.02))
+    small[0].sharex(small[2])
+    titles = ("activator on the cortical band", "load of the tension, enlarged", "pial surface over time")
+    for letter, title, axes in zip("abcd", [*titles, measures(result)], [*small, main], strict=True):
+        axes.set_title(f"$\\bf{{{letter}}}$   {title}", loc="left", fontsize=11)
 
 
 def measures(result: Result) -> str:
@@ -177,6 +179,18 @@ def measures(result: Result) -> str:
     return ", ".join(words if s["registration"] is None else [*words, f"registration {s['registration']:+.2f}"])
 
 
+def _inside(body: Body) -> tuple[float, float]:
+    """Return a point in the middle of the body, where there is room for text; mm."""
+    x, y = body.nodes
+    middle = 0.0 if body.mirror else 0.5 * (x.min() + x.max())
+    return MM * middle, MM * (y.min() + 0.4 * np.ptp(y))
+
+
+def _bar_inside(axes: Axes, mapped: Any, label: str, ticks: list[float]) -> None:
+    bar = axes.inset_axes((0.32, 0.32, 0.36, 0.06))
+    axes.figure.colorbar(mapped, cax=bar, orientation="horizontal", ticks=ticks, label=label, format="%.3g")
+
+
 def _copies(body: Body, points: Array) -> Iterator[Array]:
     """Yield points or vectors (2, n), and for a half body their mirror image about x = 0."""
     yield points
@@ -185,10 +199,13 @@ def _copies(body: Body, points: Array) -> Iterator[Array]:
 
 
 def _shaded(axes: Axes, points: Array, body: Body, layer: Any, values: Array, norm: Any, shades: str) -> Any:
+    from matplotlib.tri import Triangulation
+
     nodes, local = np.unique(body.triangles[:, layer], return_inverse=True)
     corners = local.reshape(6, -1)[PARTS].transpose(0, 2, 1).reshape(-1, 3)
     x, y = MM * points[:, nodes]
-    return axes.tripcolor(x, y, corners, values[nodes], shading="gouraud", norm=norm, cmap=shades)
+    triangles = Triangulation(x, y, corners)
+    return axes.tripcolor(triangles, values[nodes], shading="gouraud", norm=norm, cmap=shades)
 
 
 def _at_nodes(body: Body, values: Array, layer: Any) -> Array:
@@ -209,21 +226,24 @@ def _limits(values: Array, weights: Array, *, centred: bool) -> tuple[float, flo
 
 
 def _per_length(points: Array, forces: Array, count: int) -> tuple[Array, Array]:
-    """Return middles (2, m) of about `count` stretches of a path and the force per length on each, (2, m)."""
-    steps = np.hypot(*np.diff(points))
-    arc = np.concatenate([[0.0], np.cumsum(steps)])
-    # middle nodes of quadratic edges carry more than corners: sum over whole edges before dividing
-    edges = max(1, (len(arc) - 1) // 2 // count)
-    own = np.zeros((2, (len(arc) - 1) // 2))
-    own += forces[:, 1::2]
-    share = forces[:, 0::2] * np.where(np.isin(np.arange(forces[:, 0::2].shape[1]), (0, own.shape[1])), 1.0, 0.5)
-    own += share[:, :-1] + share[:, 1:]
-    cut = np.arange(0, own.shape[1], edges)
-    total, length = np.add.reduceat(own, cut, axis=1), np.add.reduceat(np.diff(arc[::2]), cut)
-    middle = np.interp(arc[::2][cut] + length / 2, arc, points[0]), np.interp(
-        arc[::2][cut] + length / 2, arc, points[1]
-    )
-    return np.array(middle), total / length
+    """Return middles (2, m) of about `count` stretches of a path and the force per length on each, (2, m).
+
+    Half the force on a corner belongs to either edge; that on the two ends of the path to none.
+    """
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points)))])[::2]
+    corners = forces[:, ::2].copy()
+    corners[:, [0, -1]] = 0.0
+    on_edges = forces[:, 1::2] + 0.5 * (corners[:, :-1] + corners[:, 1:])
+    cut = np.arange(0, on_edges.shape[1], max(1, round(on_edges.shape[1] / count)))
+    lengths = np.add.reduceat(np.diff(arc), cut)
+    middles = arc[cut] + lengths / 2
+    at = np.stack([np.interp(middles, arc, coordinate[::2]) for coordinate in points])
+    return at, np.add.reduceat(on_edges, cut, axis=1) / lengths
+
+
+def _shown(number: float) -> str:
+    """Return a number with two digits that count, without an exponent."""
+    return f"{float(f'{number:.2g}'):g}"
 
 
 def _core(axes: Axes, points: Array, body: Body) -> None:
