@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from .checks import finite_array, positive
+from .checks import finite, finite_array, positive
 
 
 @runtime_checkable
@@ -90,11 +90,12 @@ class Table:
     shares: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        times, shares = finite_array("times", self.times, (None,)), finite_array("shares", self.shares, (None,))
+        times = finite_array("times", self.times, (None,))
+        shares = finite_array("shares", self.shares, (None,))
         if times.size < 2 or times.size != shares.size or not (np.diff(times) > 0).all():
             raise ValueError(
-                f"times has {times.size} and shares {shares.size} entries; give at least two of each, equally many, "
-                "with the times in increasing order."
+                f"times has {times.size} and shares {shares.size} entries; give at least two of each, "
+                "equally many, with the times in increasing order."
             )
         object.__setattr__(self, "times", tuple(times.tolist()))
         object.__setattr__(self, "shares", tuple(shares.tolist()))
@@ -102,3 +103,18 @@ class Table:
     def factor(self, final: float, time: float) -> float:
         """Return the growth factor at `time`."""
         return float(1.0 + (final - 1.0) * np.interp(time, self.times, self.shares))
+
+
+def postnatal_day(time: float, *, duration: float = 1.0, first: float = 0.0, last: float = 32.0) -> float:
+    """Return the age in days at a growth time: P0 at t = 0 and P32 at t = duration, linear in between.
+
+    That ages are spread evenly over growth time is our choice; Choi et al. 2025 name P0, P4, P8, P16 and P32.
+    """
+    return first + (last - first) * time / positive("duration", duration)
+
+
+def growth_time(day: float, *, duration: float = 1.0, first: float = 0.0, last: float = 32.0) -> float:
+    """Return the growth time at an age in days, the inverse of `postnatal_day`."""
+    if not first <= finite("day", day) <= last:
+        raise ValueError(f"day={day:g} must be between P{first:g} and P{last:g}.")
+    return duration * (day - first) / (last - first)
