@@ -1,4 +1,5 @@
 """Loud tests: floating-point errors raise, figures are closed, no window is opened."""
+
 import os
 import sys
 
@@ -6,8 +7,8 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")  # before numpy: two runs must give the same bytes
 
-import numpy as np
-import pytest
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,5 @@
 """Inertia and drag: energy and momentum balances, and the quasi-static limit."""
+
 import numpy as np
 import pytest
 
@@ -21,7 +22,9 @@ def motion(scheme, dt, until=2.0, body=None):
     velocity = np.stack([0.3 * x - 0.2 * y, 0.2 * x - 0.3 * y + 0.1])
     solid = Elastic(gray=NeoHookean(1.0, 5.0))
     scene = Scene(
-        body=body, terms=(solid, Inertia(density=1.0, scheme=scheme)), until=until,
+        body=body,
+        terms=(solid, Inertia(density=1.0, scheme=scheme)),
+        until=until,
         stepping=Stepping(first=dt / until, largest=dt / until, tolerance=1e-12),
     )
     start = begin(scene)
@@ -53,7 +56,7 @@ def test_mass_of_a_half_disc():
 def test_midpoint_energy_error_falls_fourfold():
     errors = []
     for dt in (0.05, 0.025, 0.0125):
-        body, steps, mass, velocity = motion("midpoint", dt)
+        _, steps, mass, velocity = motion("midpoint", dt)
         total = energies(steps, mass, velocity)
         errors.append(np.abs(total - total[0]).max() / total[0])
     ratios = np.array(errors[:-1]) / errors[1:]
@@ -69,7 +72,7 @@ def test_backward_euler_never_gains_energy():
 
 @pytest.mark.parametrize("scheme", ["midpoint", "euler"])
 def test_momentum_of_a_free_body(scheme):
-    body, steps, mass, velocity = motion(scheme, 0.1)
+    _, steps, mass, velocity = motion(scheme, 0.1)
     first = velocity.T.ravel()
     scale = np.abs(mass.times(first)).sum()
     for step in steps:

@@ -1,4 +1,5 @@
 """Seeded noise: the same on every mesh, of unit variance, symmetric on request."""
+
 import numpy as np
 import pytest
 
@@ -46,7 +47,9 @@ def test_same_noise_on_two_meshes(of):
         near = depth < 0.1
         order = np.argsort(arc[near])
         values.append(np.interp(np.linspace(0.2, 2.9, 200), arc[near][order], made["noise"][near][order]))
-    assert values[0] == pytest.approx(values[1], abs=0.12)  # of functions of unit variance, linearly interpolated
+    assert values[0] == pytest.approx(
+        values[1], abs=0.12
+    )  # of functions of unit variance, linearly interpolated
 
 
 def test_growth_is_multiplied_in_the_cortex_only():

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementTriP2, MeshTri1, MeshTri2
 
+from .arrays import Array, Integers
 from .checks import one_of, positive
 from .curve import Curve, chain
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 BASES = ("clamped", "roller", "free")
@@ -48,8 +47,8 @@ class Body:
 
     mesh: straight or isoparametric quadratic triangles in m; straight ones become quadratic. A part named
     "mirror" makes it half of a mirror-symmetric body: there, displacement across the line is zero.
-    thickness: of the cortex, in m. Elements in the subdomain "cortex" are gray matter; without that name it is
-    those with their centre less than `thickness` below the pial surface.
+    thickness: of the cortex, in m. Elements in the subdomain "cortex" are gray matter; without that name it
+    is those with their centre less than `thickness` below the pial surface.
     base: "clamped" (no displacement), "roller" (none across the base line) or "free".
     Raises ValueError for missing parts, wrong lengths, inverted or degenerate triangles.
     """
@@ -113,12 +112,16 @@ class Body:
 
     @cached_property
     def interface(self) -> Integers:
-        """Nodes along the gray-white interface, in the direction of the pial surface; shape (n_interface,)."""
+        """Nodes along the gray-white interface, in the direction of the pial surface; shape
+        (n_interface,).
+        """
         f2t, gray = self.mesh.f2t, self.in_cortex
         inner = f2t[1] >= 0
         across = np.flatnonzero(inner & (gray[f2t[0]] != gray[np.where(inner, f2t[1], 0)]))
         if across.size == 0:
-            raise ValueError(f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface.")
+            raise ValueError(
+                f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface."
+            )
         nodes, _ = self._path(across)
         arc = self.pial_curve.nearest(self.nodes[:, nodes])[2]
         return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else nodes[::-1].copy()
@@ -188,7 +191,9 @@ class Body:
         )
 
     def at_quadrature(self, band: Band, values: Array) -> Array:
-        """Return nodal values of a band, (n_band_nodes,), at the integration points, (q, e); zero outside it."""
+        """Return nodal values of a band, (n_band_nodes,), at the integration points, (q, e); zero outside
+        it.
+        """
         everywhere = np.zeros(self.nodes.shape[1])
         everywhere[band.nodes] = values
         return np.asarray(np.einsum("aq,ae->qe", self.quadrature.shapes, everywhere[self.triangles]))
@@ -257,8 +262,8 @@ class Body:
         axis = int(np.argmin(spread))
         if spread[axis] > 1e-9 * self.length:
             raise ValueError(
-                f"boundary {name!r} is not a horizontal or vertical line (it spreads {spread[axis]:.3g} m), so it "
-                'cannot slide on rollers; use base="clamped" or "free", or turn the body.'
+                f"boundary {name!r} is not a horizontal or vertical line (it spreads {spread[axis]:.3g} m), "
+                'so it cannot slide on rollers; use base="clamped" or "free", or turn the body.'
             )
         return axis
 
@@ -278,7 +283,9 @@ def _quadratic(mesh: MeshTri1) -> MeshTri2:
     flat = np.abs(area) <= 1e-12 * np.ptp(mesh.p, axis=1).max() ** 2
     if flat.any():
         k = int(np.flatnonzero(flat)[0])
-        raise ValueError(f"triangle {k} of the mesh is degenerate: its area is {area[k]:.3g} m²; remove or repair it.")
+        raise ValueError(
+            f"triangle {k} of the mesh is degenerate: its area is {area[k]:.3g} m²; remove or repair it."
+        )
     quadratic = mesh if isinstance(mesh, MeshTri2) else MeshTri2.from_mesh(mesh)
     names = {"_boundaries": mesh.boundaries, "_subdomains": mesh.subdomains}
     turned = quadratic.t.copy()
@@ -300,7 +307,9 @@ def _check_elements(mesh: MeshTri2) -> None:
 
 def straight_mesh(points: Array, triangles: Integers) -> MeshTri1:
     """Return straight triangles without letting scikit-fem reorder their corners."""
-    return MeshTri1(np.ascontiguousarray(points), np.ascontiguousarray(triangles), sort_t=False, validate=False)
+    return MeshTri1(
+        np.ascontiguousarray(points), np.ascontiguousarray(triangles), sort_t=False, validate=False
+    )
 
 
 def _submesh(body: Body, elements: Integers) -> Band:
@@ -313,6 +322,8 @@ def _submesh(body: Body, elements: Integers) -> Band:
     sides = {name: set(body.boundary_path(name)[0].tolist()) for name in mesh.boundaries}
     sides["interface"] = set(body.interface.tolist())
     edge = part.boundary_facets()
-    named = {name: edge[[int(nodes[part.nvertices + f]) in side for f in edge]] for name, side in sides.items()}
+    named = {
+        name: edge[[int(nodes[part.nvertices + f]) in side for f in edge]] for name, side in sides.items()
+    }
     boundaries = {name: found for name, found in named.items() if len(found)}
     return Band(MeshTri2(mesh.doflocs[:, nodes], part.t, _boundaries=boundaries, validate=False), nodes)

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from .arrays import Array, Integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,18 +43,18 @@ class Curve:
         xi, weights = np.polynomial.legendre.leggauss(4)
         xi = 0.5 * (low + high) + 0.5 * (high - low) * xi
         speed = np.stack([np.hypot(*self._slope(np.full(self.segments.shape[2], x))) for x in xi])
-        return 0.5 * (high - low) * (weights @ speed)
+        return np.asarray(0.5 * (high - low) * (weights @ speed))
 
     def _slope(self, xi: Array, which: Integers | None = None) -> Array:
         start, mid, end = self.segments if which is None else self.segments[:, :, which]
-        return 0.5 * (end - start) + (start - 2 * mid + end) * xi
+        return np.asarray(0.5 * (end - start) + (start - 2 * mid + end) * xi)
 
     def _point(self, xi: Array, which: Integers) -> Array:
         start, mid, end = self.segments[:, :, which]
-        return mid + 0.5 * (end - start) * xi + 0.5 * (start - 2 * mid + end) * xi**2
+        return np.asarray(mid + 0.5 * (end - start) * xi + 0.5 * (start - 2 * mid + end) * xi**2)
 
     def nearest(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return distance (m,), unit tangent (2, m) and arc length (m,) at the nearest curve point of each point.
+        """Return distance, unit tangent (2, m) and arc length at the nearest curve point of each point.
 
         points: (2, m). The foot point solves (x - c(ξ))·c'(ξ) = 0 on the nearest segment and its neighbours.
         """
@@ -92,7 +90,8 @@ class Curve:
 
 
 def chain(pairs: Integers) -> tuple[Integers, bool]:
-    """Return the order in which edges (2, n) follow each other head to tail, as vertices, and whether they close.
+    """Return the order in which edges (2, n) follow each other head to tail, as vertices, and whether they
+    close.
 
     Raises ValueError if the edges do not make one single curve.
     """
@@ -101,10 +100,11 @@ def chain(pairs: Integers) -> tuple[Integers, bool]:
         neighbours.setdefault(a, []).append(b)
         neighbours.setdefault(b, []).append(a)
     ends = sorted(v for v, near in neighbours.items() if len(near) == 1)
-    if len(ends) not in (0, 2) or any(len(near) > 2 for near in neighbours.values()):
+    branches = sum(len(near) > 2 for near in neighbours.values())
+    if len(ends) not in (0, 2) or branches:
         raise ValueError(
-            f"the boundary edges make a curve with {len(ends)} ends and "
-            f"{sum(len(near) > 2 for near in neighbours.values())} branches; name one connected part of the boundary."
+            f"the boundary edges make a curve with {len(ends)} ends and {branches} branches; name one "
+            "connected part of the boundary."
         )
     path = [ends[0] if ends else min(neighbours)]
     previous = -1
@@ -115,5 +115,7 @@ def chain(pairs: Integers) -> tuple[Integers, bool]:
         previous = path[-1]
         path.append(onward[0])
     if len(path) != len(neighbours):
-        raise ValueError(f"the boundary edges fall apart: {len(path)} of {len(neighbours)} vertices are connected.")
+        raise ValueError(
+            f"the boundary edges fall apart: {len(path)} of {len(neighbours)} vertices connect."
+        )
     return np.array(path), not ends

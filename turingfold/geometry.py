@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from skfem import MeshTri2
 
+from .arrays import Array, Integers
 from .body import BASES, Body, straight_mesh
 from .checks import one_of, positive
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
@@ -33,7 +32,13 @@ def semicircle(
 
 
 def semiellipse(
-    *, width: float, height: float, thickness: float, size: float, base: str = "clamped", coarsening: float = 1.35
+    *,
+    width: float,
+    height: float,
+    thickness: float,
+    size: float,
+    base: str = "clamped",
+    coarsening: float = 1.35,
 ) -> Body:
     """Return the upper half of an ellipse with its full width along the base and its apex at `height`; m.
 
@@ -51,10 +56,13 @@ def semiellipse(
     if not 0 < positive("thickness", thickness) < limit:
         raise ValueError(
             f"thickness={thickness:g} m must be less than {limit:g} m: half the smaller semi-axis "
-            f"({min(a, b) / 2:g} m) and the smallest radius of curvature ({sharpest:g} m); use a thinner cortex."
+            f"({min(a, b) / 2:g} m) and the smallest radius of curvature ({sharpest:g} m); use a thinner "
+            "cortex."
         )
     if size > 2 * thickness:
-        raise ValueError(f"size={size:g} m must be at most twice the thickness {thickness:g} m; use smaller elements.")
+        raise ValueError(
+            f"size={size:g} m must be at most twice the thickness {thickness:g} m; use smaller elements."
+        )
     return Body(_mirrored(_quarter_mesh(a, b, thickness, size, coarsening)), thickness, base)
 
 
@@ -78,7 +86,10 @@ def half(body: Body) -> Body:
     named["mirror"] = outer[points[0, part.nvertices + outer] == 0.0]
     gray = np.flatnonzero(body.in_cortex[keep])
     halved = MeshTri2(
-        points, part.t, _boundaries={k: v for k, v in named.items() if len(v)}, _subdomains={"cortex": gray},
+        points,
+        part.t,
+        _boundaries={k: v for k, v in named.items() if len(v)},
+        _subdomains={"cortex": gray},
         validate=False,
     )
     return Body(halved, body.thickness, body.base)
@@ -131,15 +142,21 @@ def _quarter_mesh(a: float, b: float, thickness: float, size: float, coarsening:
     centre = len(points)
     points.append((0.0, 0.0))
     last = rings[-1].tolist()
-    triangles += [(p, q, centre) for p, q in zip(last[:-1], last[1:], strict=True)]
+    triangles += [(p, q, centre) for p, q in pairwise(last)]
     outer = rings[0].tolist()
     return _Half(
-        np.array(points).T, np.array(triangles).T, middles, list(zip(outer[:-1], outer[1:], strict=True)), cortex
+        np.array(points).T,
+        np.array(triangles).T,
+        middles,
+        list(pairwise(outer)),
+        cortex,
     )
 
 
 def _offset_quarter(a: float, b: float) -> tuple[Quarter, float]:
-    """Return the map (fraction of pial arc length, depth) -> point for a quarter ellipse, and its arc length."""
+    """Return the map (fraction of pial arc length, depth) -> point for a quarter ellipse, and its arc
+    length.
+    """
     angle = np.linspace(0.0, np.pi / 2, 4001)
     nodes, weights = np.polynomial.legendre.leggauss(6)
     middle, half_width = 0.5 * (angle[1:] + angle[:-1]), 0.5 * (angle[1] - angle[0])
@@ -164,7 +181,9 @@ def _offset_quarter(a: float, b: float) -> tuple[Quarter, float]:
 def _cortex(
     rings: list[Array], at: Quarter, fractions: Array, thickness: float, layers: int
 ) -> tuple[list[tuple[int, int, int]], dict[tuple[int, int], tuple[float, float]]]:
-    """Split the quadrilaterals between rings by alternating diagonals; put edge middles on the offset curves."""
+    """Split the quadrilaterals between rings by alternating diagonals; put edge middles on the offset
+    curves.
+    """
     triangles: list[tuple[int, int, int]] = []
     middles: dict[tuple[int, int], tuple[float, float]] = {}
     halfway = 0.5 * (fractions[1:] + fractions[:-1])
@@ -227,4 +246,3 @@ def _mirrored(part: _Half) -> MeshTri2:
     base = set(straight.boundary_facets().tolist()) - pial
     boundaries = {"pial": np.array(sorted(pial)), "base": np.array(sorted(base))}
     return MeshTri2(placed, mesh.t, _boundaries=boundaries, _subdomains={"cortex": gray}, validate=False)
-

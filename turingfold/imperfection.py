@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Array
 from .body import Body
 from .checks import between, one_of, positive, whole
 from .scene import State
-
-Array = NDArray[np.float64]
 
 KINDS = ("growth", "stiffness")
 
@@ -38,11 +36,13 @@ def along_pial(body: Body, arc: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Imperfection:
-    """Noise that decides where an otherwise uniform cortex folds first; defined on arc length, not on elements.
+    """Noise that decides where an otherwise uniform cortex folds first; defined on arc length, not on
+    elements.
 
     of "growth": multiplies g_t - 1 (reads and rewrites "growth"; list it after the growth);
     of "stiffness": multiplies the moduli (writes "stiffness").  amplitude: standard deviation of the factor.
-    modes: the shortest wave length is 2 L/modes.  symmetric: mirror-symmetric about the apex; always so on a half.
+    modes: the shortest wave length is 2 L/modes.  symmetric: mirror-symmetric about the apex; always so on a
+    half.
     Raises ValueError for amplitudes outside [0, 0.3].
     """
 
@@ -83,7 +83,9 @@ class Imperfection:
         return {"growth": growth}
 
 
-def roughened(body: Body, amplitude: float, *, modes: int = 80, seed: int = 0, symmetric: bool = False) -> Body:
+def roughened(
+    body: Body, amplitude: float, *, modes: int = 80, seed: int = 0, symmetric: bool = False
+) -> Body:
     """Return the body with pial surface and interface displaced along the normal by amplitude·ξ, alike; m.
 
     The displacement fades over two cortical thicknesses below the interface and to nothing at the base.

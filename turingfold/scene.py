@@ -12,14 +12,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from .arrays import Array, Integers
 from .body import Body
 from .checks import positive, whole
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class SolveError(RuntimeError):
@@ -59,7 +54,7 @@ class State:
     def __contains__(self, name: str) -> bool:
         return name in self.fields
 
-    def updated(self, time: float | None = None, **fields: Array) -> State:
+    def updated(self, time: float | None = None, /, **fields: Array) -> State:
         """Return a copy with some fields, and possibly the time, replaced."""
         return State(self.time if time is None else time, {**self.fields, **fields})
 
@@ -101,7 +96,8 @@ class Evaluation(Protocol):
 class Hessian:
     """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up.
 
-    lasting: the two index arrays are the same objects each time, so that their places need be found only once.
+    lasting: the two index arrays are the same objects each time, so that their places need be found only
+    once.
     room: rows and columns of entries that may come soon, asked for when places are made.
     """
 
@@ -113,7 +109,9 @@ class Hessian:
 
 
 class Potential(Protocol):
-    """A term on a body with the fields of one step frozen; x is the displacement (2 n_nodes,), node by node."""
+    """A term on a body with the fields of one step frozen; x is the displacement (2 n_nodes,), node by
+    node.
+    """
 
     def evaluate(self, x: Array) -> Evaluation | None:
         """Return the evaluation at x, or None where the energy is infinite there."""
@@ -229,14 +227,14 @@ def _of_type(name: str, value: Any, kind: type) -> None:
 
 
 def _parts(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
-    parts = tuple(parts) if isinstance(parts, (tuple, list)) else (parts,)
-    for part in parts:
+    listed: tuple[Any, ...] = tuple(parts) if isinstance(parts, (tuple, list)) else (parts,)
+    for part in listed:
         if not isinstance(part, kind):
             raise ValueError(
                 f"{name} holds {part!r}, which is no {kind.__name__}; "
                 "patterns and growth go into processes, everything with an energy into terms."
             )
-    return parts
+    return listed
 
 
 def _written(part: object, reads: tuple[str, ...], written: set[str]) -> None:

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Array, add_up
 from .body import Body
 from .checks import between, finite, one_of, whole
 from .curve import Curve
 from .scene import Hessian, State
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
@@ -27,13 +24,13 @@ SHAPES = np.stack([0.5 * GAUSS * (GAUSS - 1), 1 - GAUSS**2, 0.5 * GAUSS * (GAUSS
 class AxonalTension:
     """Tension of axons, ∝ the pattern û, along the gray-white interface or as tractions on the pial surface.
 
-    surface "interface": a line tension γ = strength û (N per m of depth, i.e. strength in N/m), in the weak form
+    surface "interface": a line tension γ = strength û (N per m of depth, strength in N/m), in the weak form
     -∫ γ T·∂_s v ds: no net force or moment. It makes gyri at the peaks.
     surface "pial": tangential tractions of at most `strength` (Pa) along ∓∂_s û, converging on the peaks
     (direction "toward-peaks", the arrows of the source's Figure 1; sulci form there) or between them
     ("between-peaks"; gyri form at the peaks).
-    follower: loads follow the deforming line instead of keeping their direction; only on the interface, where the
-    tension then has the energy ∫ γ |∂x/∂s| ds.
+    follower: loads follow the deforming line instead of keeping their direction; only on the interface, where
+    the tension then has the energy ∫ γ |∂x/∂s| ds.
     patches: without a pattern, this many evenly spaced patches of equal strength; nothing is read then.
     ramp: time over which the load rises to its strength.
     """
@@ -53,7 +50,8 @@ class AxonalTension:
         between("ramp", self.ramp, 0.0, 1e12)
         if self.follower and self.surface == "pial":
             raise ValueError(
-                'follower=True needs surface="interface"; tractions that turn with the pial surface have no energy.'
+                'follower=True needs surface="interface"; tractions that turn with the pial surface have no '
+                "energy."
             )
 
     @property
@@ -132,7 +130,7 @@ class TensionOperator:
     def _nodal(self, forces: Array) -> Array:
         """Add contributions (3, 2, m) of the curve's edges up to a vector (2 n_nodes,)."""
         dofs = 2 * self.edges[:, None] + np.arange(2)[None, :, None]
-        return np.bincount(dofs.ravel(), forces.ravel(), minlength=2 * self.body.nodes.shape[1])
+        return add_up(dofs, forces, 2 * self.body.nodes.shape[1])
 
 
 class _WithoutMemory:

@@ -1,8 +1,9 @@
-"""Self-contact of the body's boundary, and of it with the straight lines that bound the half space it lives in.
+"""Self-contact of the body's boundary, and with the straight lines on which base or mirror continue.
 
-The barrier and the continuous collision detection are ipctk's (incremental potential contact, Li et al. 2020).
-The boundary's polyline runs through the corner and middle nodes of the quadratic edges. At the two ends of the
-pial surface of a clamped, rolling or mirrored body the base (or mirror) line continues outward as an obstacle.
+The barrier and the continuous collision detection are ipctk's (incremental potential contact, Li et al.
+2020). The boundary's polyline runs through the corner and middle nodes of the quadratic edges. At the two
+ends of the pial surface of a clamped, rolling or mirrored body the base (or mirror) line continues outward as
+an obstacle.
 """
 
 from __future__ import annotations
@@ -12,15 +13,12 @@ from functools import cached_property
 
 import ipctk
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, tril
 
+from ..arrays import Array, Integers
 from ..body import Body
 from ..checks import positive
 from ..scene import Hessian, State
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
 REACH = 8.0  # obstacles extend this many body lengths
@@ -30,9 +28,9 @@ REACH = 8.0  # obstacles extend this many body lengths
 class SelfContact:
     """Barrier energy that keeps the boundary from touching itself: it acts below the distance dhat.
 
-    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or nodes
-    would be in contact from the start.  stiffness: traction at half the distance dhat, in units of the scene's
-    largest shear modulus.
+    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or
+    nodes would be in contact from the start.  stiffness: traction at half the distance dhat, in units of the
+    scene's largest shear modulus.
     """
 
     gap: float = 0.4
@@ -76,8 +74,8 @@ class ContactOperator:
         self.n_dofs = 2 * body.nodes.shape[1]
         if self.smallest_gap(self.rest) < self.dhat:
             raise ValueError(
-                f"SelfContact: the undeformed boundary comes closer to itself than dhat = {self.dhat * self.unit:.3g} "
-                "m; use a smaller gap, or an outline without touching parts."
+                f"SelfContact: the undeformed boundary comes closer to itself than dhat = "
+                f"{self.dhat * self.unit:.3g} m; use a smaller gap, or an outline without touching parts."
             )
 
     def positions(self, x: Array) -> Array:
@@ -94,7 +92,9 @@ class ContactOperator:
         return found
 
     def smallest_gap(self, positions: Array) -> float:
-        """Return the smallest distance between parts of the boundary that are not neighbours, up to 4 dhat."""
+        """Return the smallest distance between parts of the boundary that are not neighbours, up to 4
+        dhat.
+        """
         found = self.collisions(positions, 4 * self.dhat)
         if found.empty():
             return float(4 * self.dhat)
@@ -200,7 +200,9 @@ def _boundary(body: Body) -> tuple[Integers, Integers, float]:
 
 
 def _obstacles(body: Body, nodes: Integers) -> tuple[Array, Integers]:
-    """Return far points of the lines that continue base and mirror beyond the pial surface, and their edges."""
+    """Return far points of the lines that continue base and mirror beyond the pial surface, and their
+    edges.
+    """
     points: list[Array] = []
     edges: list[tuple[int, int]] = []
     lines = [name for name in ("base", "mirror") if name in body.mesh.boundaries]

@@ -8,10 +8,8 @@ a + b F_zz (along P⊥), a - b F_zz (along R⊥) and those of a 2x2 matrix on (P
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from ..arrays import Array, Integers
 
 
 def negative_part(
@@ -54,7 +52,8 @@ def _split(F: Array) -> tuple[Array, Array]:
 
 def _join(P: Array, R: Array) -> Array:
     s = np.sqrt(0.5)
-    return s * np.stack([np.stack([P[0] + R[0], R[1] - P[1]]), np.stack([P[1] + R[1], P[0] - R[0]])])
+    parts = np.stack([np.stack([P[0] + R[0], R[1] - P[1]]), np.stack([P[1] + R[1], P[0] - R[0]])])
+    return np.asarray(s * parts)
 
 
 def _quarter_turn(v: Array) -> Array:
@@ -69,7 +68,9 @@ def _unit(v: Array) -> Array:
 
 
 def _symmetric_pair(first: Array, second: Array, coupling: Array) -> tuple[Array, Array, Array, Array]:
-    """Eigenvalues of [[first, coupling], [coupling, second]] and the direction (cosine, sine) of the lower one."""
+    """Eigenvalues of [[first, coupling], [coupling, second]] and the direction (cosine, sine) of the lower
+    one.
+    """
     mean, half = 0.5 * (first + second), 0.5 * (first - second)
     spread = np.hypot(half, coupling)
     angle = 0.5 * np.arctan2(-coupling, -half)

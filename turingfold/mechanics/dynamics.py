@@ -1,4 +1,6 @@
-"""Inertia and drag as incremental potentials: ½‖u - û‖² in the mass norm, over the step squared or the step."""
+"""Inertia and drag as incremental potentials: ½‖u - û‖² in the mass norm, over the step squared or the
+step.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, add_up
 from ..body import Body
 from ..checks import one_of, positive
 from ..scene import Hessian, State
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 SCHEMES = ("euler", "midpoint")
 
@@ -88,7 +87,7 @@ class Mass:
             off = np.where((low != high)[:, None], self.entries, 0.0)
             places = np.concatenate([self.triangles[low].ravel(), self.triangles[high].ravel()])
             weights = np.concatenate([(self.entries * at[high]).ravel(), (off * at[low]).ravel()])
-            total[:, axis] = np.bincount(places, weights, minlength=len(values))
+            total[:, axis] = add_up(places, weights, len(values))
         return total.ravel()
 
     @cached_property
@@ -98,7 +97,9 @@ class Mass:
 
 
 class InertiaOperator:
-    """Inertia on one body; `reach` is the point of the step at which forces balance, 1 (end) or 1/2 (middle)."""
+    """Inertia on one body; `reach` is the point of the step at which forces balance, 1 (end) or 1/2
+    (middle).
+    """
 
     grounds = True  # a body with mass needs no support
 
@@ -109,7 +110,9 @@ class InertiaOperator:
         """Return the potential of one step."""
         old = state["displacement"].T.ravel()
         velocity = state["velocity"].T.ravel() if "velocity" in state else np.zeros_like(old)
-        return InertiaPotential(self.mass, old + self.reach * dt * velocity, self.reach * dt, old, velocity, dt)
+        return InertiaPotential(
+            self.mass, old + self.reach * dt * velocity, self.reach * dt, old, velocity, dt
+        )
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,9 @@ class InertiaPotential(_TowardsTarget):
 
     def _velocity(self, end: Array) -> Array:
         mean = (end - self.old) / self.dt
-        share = self.dt / self.span  # 1: the mean velocity is the new one; 2: it is the average of old and new
+        share = (
+            self.dt / self.span
+        )  # 1: the mean velocity is the new one; 2: it is the average of old and new
         return share * mean - (share - 1.0) * self.velocity
 
     def measure(self, x: Array) -> dict[str, float]:

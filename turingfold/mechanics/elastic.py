@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, Integers, add_up
 from ..body import Body
 from ..checks import one_of
 from ..growth import cortex_indicator
@@ -24,8 +24,6 @@ from . import material
 from .convexity import negative_part
 from .material import NeoHookean
 
-Array = NDArray[np.float64]
-
 LAYERS = ("sigmoid", "sharp")
 
 
@@ -33,7 +31,8 @@ LAYERS = ("sigmoid", "sharp")
 class Elastic:
     """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer.
 
-    It grows where a process writes "growth", and "stiffness" multiplies its moduli where a process writes that.
+    It grows where a process writes "growth", and "stiffness" multiplies its moduli where a process writes
+    that.
 
     layers: "sharp" takes the moduli by element; "sigmoid" blends them by θ(y) = 1/(1 + exp(10 (y/T - 1))).
     Without `white` the whole body is gray.
@@ -47,7 +46,9 @@ class Elastic:
         one_of("layers", self.layers, LAYERS)
         for name, value in (("gray", self.gray), ("white", self.white)):
             if not (isinstance(value, NeoHookean) or (name == "white" and value is None)):
-                raise ValueError(f"{name}={value!r} must be a NeoHookean, e.g. NeoHookean.from_young(1389.0, 0.4583).")
+                raise ValueError(
+                    f"{name}={value!r} must be a NeoHookean, e.g. NeoHookean.from_young(1389.0, 0.4583)."
+                )
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -85,14 +86,16 @@ class ElasticOperator:
         self.slopes = slopes.reshape(6, 2 * q)
         low, high = np.tril_indices(6)[::-1]
         product = slopes[low][:, :, None] * slopes[high][:, None, :]
-        self.same = np.stack([product[:, 0, 0], product[:, 0, 1] + product[:, 1, 0], product[:, 1, 1]], axis=1)
+        self.same = np.stack(
+            [product[:, 0, 0], product[:, 0, 1] + product[:, 1, 0], product[:, 1, 1]], axis=1
+        )
         self.same = self.same.reshape(21, 3 * q)
         self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
         self.rows, self.columns = self._places(low, high)
         self.dofs = 2 * body.triangles[:, None] + np.arange(2)[None, :, None]  # (6, 2, e)
         self._grown: tuple[Array | None, Metric] | None = None
 
-    def _places(self, low: Array, high: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _places(self, low: Integers, high: Integers) -> tuple[Integers, Integers]:
         """Return where the 78 different entries of each element matrix go, each (78, e)."""
         x = 2 * self.body.triangles
         first, second = np.divmod(np.arange(36), 6)
@@ -106,13 +109,17 @@ class ElasticOperator:
         if self._grown is None or self._grown[0] is not growth:
             self._grown = growth, metric(self.body, growth)
         stiffness = state.fields.get("stiffness")
-        mu, kappa = (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
+        mu, kappa = (
+            (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
+        )
         return ElasticPotential(self, self._grown[1], mu, kappa)
 
 
 @dataclass(frozen=True)
 class Metric:
-    """What growth does to the pull-back: D (2, 2, q, e), B (3: xx, xy, yy), δ, F*_zz² and J_G dA, each (q, e)."""
+    """What growth does to the pull-back: D (2, 2, q, e), B (3: xx, xy, yy), δ, F*_zz² and J_G dA, each (q,
+    e).
+    """
 
     D: Array
     B: Array
@@ -132,9 +139,13 @@ def metric(body: Body, growth: Array | None) -> Metric:
         xx, yy = tx * tx / along + ty * ty / across, ty * ty / along + tx * tx / across
         xy = tx * ty * (1 / along - 1 / across)
         inverse = quadrature.inverse
-        D = np.stack([inverse[:, 0] * xx + inverse[:, 1] * xy, inverse[:, 0] * xy + inverse[:, 1] * yy], axis=1)
+        D = np.stack(
+            [inverse[:, 0] * xx + inverse[:, 1] * xy, inverse[:, 0] * xy + inverse[:, 1] * yy], axis=1
+        )
         out, weights = 1 / gz, quadrature.weights * along * across * gz
-    B = np.stack([D[0, 0] ** 2 + D[0, 1] ** 2, D[0, 0] * D[1, 0] + D[0, 1] * D[1, 1], D[1, 0] ** 2 + D[1, 1] ** 2])
+    B = np.stack(
+        [D[0, 0] ** 2 + D[0, 1] ** 2, D[0, 0] * D[1, 0] + D[0, 1] * D[1, 1], D[1, 0] ** 2 + D[1, 1] ** 2]
+    )
     return Metric(D, B, out * (D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]), out**2, weights)
 
 
@@ -235,7 +246,7 @@ class ElasticEvaluation:
         P = shear + (weights * b) * self._cofactor
         forces = operator.slopes @ P.reshape(2, -1, P.shape[3])  # (2, 6, e)
         at = operator.dofs.transpose(1, 0, 2)
-        total = np.bincount(at.ravel(), forces.ravel(), minlength=2 * operator.body.nodes.shape[1])
+        total = add_up(at, forces, 2 * operator.body.nodes.shape[1])
         return total, float(np.vdot(shear, shear))
 
     def hessian(self, convexity: float) -> Hessian:
@@ -280,7 +291,7 @@ class ElasticEvaluation:
 
 
 def _first_loss(constant: Array, linear: Array, square: Array) -> float:
-    """Return the smallest s in (0, 1] with constant + linear s + square s² = 0 for any entry, or 1; constant > 0."""
+    """Return the smallest s in (0, 1] with c + l s + q s² = 0 for any entry, or 1; c > 0 everywhere."""
     bad = np.flatnonzero((constant + linear + square <= 0) | ((linear < 0) & (square > 0)))
     if not len(bad):
         return 1.0

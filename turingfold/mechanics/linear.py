@@ -1,6 +1,7 @@
 """Sparse symmetric systems: entries gathered into a kept pattern, factorised by CHOLMOD or SuperLU.
 
-CHOLMOD comes with the `fast` extra (cvxopt), SuperLU with scipy. A factorisation succeeds only if the matrix is
+CHOLMOD comes with the `fast` extra (cvxopt), SuperLU with scipy. A factorisation succeeds only if the matrix
+is
 positive definite: that is what certifies a stable equilibrium.
 """
 
@@ -12,14 +13,11 @@ from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
+from ..arrays import Array, Integers, add_up
 from ..scene import Hessian
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class NotPositiveDefinite(Exception):  # noqa: N818 - an answer, not a failure
@@ -68,8 +66,8 @@ class Gatherer:
 
     The pattern is kept, and with it its symbolic factorisation, as long as it has a place for every entry.
     A pattern that lacks one is replaced by one with room for entries expected soon.
-    places: keys that passing Hessians brought into the pattern of an earlier run; with the same pattern the same
-    matrix gives the same factors to the last bit.
+    places: keys that passing Hessians brought into the pattern of an earlier run; with the same pattern the
+    same matrix gives the same factors to the last bit.
     """
 
     def __init__(self, n_dofs: int, fixed: Integers, places: Integers | None = None) -> None:
@@ -89,9 +87,11 @@ class Gatherer:
             self._make_room(hessians)
             slots = self._slots(hessians)
         assert self._pattern is not None
-        values = np.zeros(len(self._pattern.keys) + 1)  # the last place collects what belongs to fixed unknowns
+        values = np.zeros(
+            len(self._pattern.keys) + 1
+        )  # the last place collects what belongs to fixed unknowns
         for hessian, places in zip(hessians, slots, strict=True):
-            values += np.bincount(places, hessian.values.ravel(), minlength=len(values))
+            values += add_up(places, hessian.values, len(values))
         return self._pattern, values[:-1]
 
     def _keys(self, rows: Integers, columns: Integers) -> Integers:
@@ -127,7 +127,9 @@ class Gatherer:
         return slots
 
     def _make_room(self, hessians: list[Hessian]) -> None:
-        """Build a pattern with a place for every entry, those seen before in lasting Hessians, and their room."""
+        """Build a pattern with a place for every entry, those seen before in lasting Hessians, and their
+        room.
+        """
         passing = []
         for hessian in hessians:
             if id(hessian.rows) in self._lasting:
@@ -224,7 +226,8 @@ class SuperLu:
 
     def solve(self, b: Array) -> Array:
         """Solve with the last factorisation."""
-        assert self._lu is not None and self._order is not None
+        if self._lu is None or self._order is None:
+            raise RuntimeError("solve before factorize")
         x = np.empty_like(b)
         x[self._order] = self._lu.solve(b[self._order])
         return x

@@ -7,12 +7,19 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene import InadmissibleStateError, NotConvergedError, Operator, Potential, Scene, SolveError, State, stress_scale
+from ..arrays import Array
+from ..scene import (
+    InadmissibleStateError,
+    NotConvergedError,
+    Operator,
+    Potential,
+    Scene,
+    SolveError,
+    State,
+    stress_scale,
+)
 from .minimise import Equilibrium, Memory, Minimiser
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -41,7 +48,8 @@ class Step:
 class Progress:
     """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
 
-    previous: displacement before the last step and that step's length, from which the next start is predicted.
+    previous: displacement before the last step and that step's length, from which the next start is
+    predicted.
     memory: what the minimiser carries from step to step.
     """
 
@@ -71,13 +79,17 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     started = perf_counter()
     operators = [term.on(scene.body) for term in scene.terms]
     held = scene.body.supported if any(operator.grounds for operator in operators) else scene.body.fixed
-    minimiser = Minimiser(2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations, progress.memory)
+    minimiser = Minimiser(
+        2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations, progress.memory
+    )
     if progress.memory is not None and progress.memory.certified:
         minimiser.certify(_potentials(operators, progress.state, progress.previous_dt), _flat(progress.state))
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
         if perf_counter() - started > stepping.seconds:
-            raise _stopped(progress.state, until, f"the time limit of {stepping.seconds:g} s is reached", None)
+            raise _stopped(
+                progress.state, until, f"the time limit of {stepping.seconds:g} s is reached", None
+            )
         dt = min(progress.dt, until - progress.state.time)
         if until - progress.state.time - dt < 0.01 * dt:
             dt = until - progress.state.time
@@ -145,26 +157,36 @@ def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> Stat
 
 
 def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
-    """Return the displacement continued along the last step as far as admissible, if that lowers the energy."""
+    """Return the displacement continued along the last step as far as admissible, if that lowers the
+    energy.
+    """
     x = _flat(progress.state)
     if progress.previous is None:
         return x
     ahead = (x - progress.previous.T.ravel()) * (dt / progress.previous_dt)
     guess = x + min(p.largest_step(x, ahead) for p in potentials) * ahead
-    before, after = (sum(e.energy if e else np.inf for e in (p.evaluate(at) for p in potentials)) for at in (x, guess))
+    before, after = (
+        sum(e.energy if e else np.inf for e in (p.evaluate(at) for p in potentials)) for at in (x, guess)
+    )
     return guess if after <= before else x
 
 
 def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:
     return {
-        "time": time, "step": dt, "energy": found.energy, "residual": found.residual, "stable": float(found.stable),
+        "time": time,
+        "step": dt,
+        "energy": found.energy,
+        "residual": found.residual,
+        "stable": float(found.stable),
     }
 
 
 def _stopped(state: State, until: float, reason: str, cause: SolveError | None) -> NotConvergedError:
     residual = cause.residual if cause is not None else float("nan")
     return NotConvergedError(
-        f"The march stopped at t = {state.time:.6g} of {until:g}: {reason} (residual {residual:.2g}). The last good "
-        "state is kept. Try smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
-        time=state.time, residual=residual,
+        f"The march stopped at t = {state.time:.6g} of {until:g}: {reason} (residual {residual:.2g}). The "
+        "last good state is kept. Try smaller steps (Stepping(largest=...)), smaller elements, less load, or "
+        "Drag(...).",
+        time=state.time,
+        residual=residual,
     )

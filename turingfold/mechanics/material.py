@@ -5,23 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import finite, positive
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class NeoHookean:
-    """Compressible neo-Hookean solid, ψ = μ/2 (I₁ J^{-2/3} - 3) + κ/2 (J - 1)² per unit volume before loading.
+    """Compressible neo-Hookean solid, ψ = μ/2 (I₁ J^{-2/3} - 3) + κ/2 (J - 1)² per unit reference volume.
 
-    I₁ is the full three-dimensional trace, F_zz² included: without it an undeformed body in plane strain would be
-    stressed. mu, kappa: shear and bulk modulus in Pa.
+    I₁ is the full three-dimensional trace, F_zz² included: without it an undeformed body in plane strain
+    would be stressed. mu, kappa: shear and bulk modulus in Pa.
 
-    *A Mathematical Model of Cerebral Cortical Folding Development* prints the exponent as +2/3 (its energy has no
-    minimum at rest; it must be -2/3), calls κ = E/(3(1-2ν)) the shear modulus μ, and gives white/gray as 1.39
-    where its own moduli make 1895/1389 = 1.364. None of the three is used here.
+    *A Mathematical Model of Cerebral Cortical Folding Development* prints the exponent as +2/3 (its energy
+    has no minimum at rest; it must be -2/3), calls κ = E/(3(1-2ν)) the shear modulus μ, and gives white/gray
+    as 1.39 where its own moduli make 1895/1389 = 1.364. None of the three is used here.
     Raises ValueError unless both moduli are positive.
     """
 
@@ -51,7 +49,7 @@ class NeoHookean:
 
 def energy(mu: Array, kappa: Array, I1: Array, J: Array) -> Array:
     """Return ψ at the invariants; all arrays of one shape, Pa."""
-    return 0.5 * mu * (I1 * np.cbrt(J) ** -2 - 3.0) + 0.5 * kappa * (J - 1.0) ** 2
+    return np.asarray(0.5 * mu * (I1 * np.cbrt(J) ** -2 - 3.0) + 0.5 * kappa * (J - 1.0) ** 2)
 
 
 def slopes(mu: Array, kappa: Array, I1: Array, J: Array) -> tuple[Array, Array]:

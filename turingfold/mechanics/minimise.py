@@ -7,13 +7,10 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array, Integers
 from ..scene import Evaluation, NotConvergedError, Potential
 from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 ARMIJO = 1e-4
@@ -47,7 +44,9 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Memory:
-    """What must be kept to go on to the last bit: matrix places, convexity level, whether a tangent is at hand."""
+    """What must be kept to go on to the last bit: matrix places, convexity level, whether a tangent is at
+    hand.
+    """
 
     places: Integers
     level: int
@@ -175,7 +174,12 @@ class Minimiser:
         return System(pattern, values, self._solver)
 
     def _search(
-        self, potentials: Sequence[Potential], x: Array, at: list[Evaluation], slope: Array, direction: Array,
+        self,
+        potentials: Sequence[Potential],
+        x: Array,
+        at: list[Evaluation],
+        slope: Array,
+        direction: Array,
         residual: float,
     ) -> tuple[Array, list[Evaluation]]:
         """Return the next configuration: the longest admissible step that lowers the energy enough."""
@@ -190,7 +194,10 @@ class Minimiser:
         while step > SHORTEST:
             trial = x + step * direction
             there = _evaluate(potentials, trial)
-            if there is not None and sum(e.energy for e in there) <= energy + ARMIJO * step * decrease + noise:
+            if (
+                there is not None
+                and sum(e.energy for e in there) <= energy + ARMIJO * step * decrease + noise
+            ):
                 self.effort.add("line searches", begin)
                 return trial, there
             step *= 0.5
