@@ -10,7 +10,7 @@ from turingfold import NeoHookean, TangentialGrowth, semicircle
 from turingfold.growth import RateGrowth, cortex_indicator, restart
 from turingfold.histories import Exponential, Gompertz, Linear, Logistic, Table, growth_time, postnatal_day
 from turingfold.mechanics.elastic import Elastic
-from turingfold.outline import outline
+from turingfold.outlines import outline
 from turingfold.scene import InadmissibleStateError, State
 from turingfold.zones import Ellipse, HalfPlane, Window, Zone
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from turingfold.outline import outline, read_outline
-from turingfold.outline.fill import angles
-from turingfold.outline.line import line
-from turingfold.outline.repair import closed_outline, inside
+from turingfold.outlines import outline, read_outline
+from turingfold.outlines.fill import angles
+from turingfold.outlines.line import line
+from turingfold.outlines.repair import closed_outline, inside
 
 
 def circle(count=240, radius=1.0):
