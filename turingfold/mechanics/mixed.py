@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 NODES = np.r_[0:6, 7:13]  # unknowns of an element: six nodes and the bubble, first component first
 BUBBLE = np.array([6, 13])
 SETTLED = 1e-11  # force on a bubble at which it counts as zero, relative to the shear forces on it
+ROUND_OFF = 1e-14  # movement of a bubble at which it counts as none, relative to its element
 PATIENCE = 40  # iterations allowed for the bubbles
 PENALTY = 20.0  # weight of the volume condition in the search, in shear moduli
 
@@ -52,6 +53,20 @@ class MixedOperator:
         one, other = self.dofs[self.low], self.dofs[self.high]
         self.rows, self.columns = np.maximum(one, other), np.minimum(one, other)
         self._grown: tuple[Array | None, Metric] | None = None
+
+    def moves(self, x: Array, bubble: Array) -> Array:
+        """Return the displacements of an element's nodes relative to its first one, and its bubble, (2, 7, e).
+
+        Without the common part, round-off is relative to the element and not to the body: it is multiplied by κ.
+        """
+        nodes = x[self.dofs].reshape(2, 6, -1)
+        return np.concatenate([nodes - nodes[:, :1], bubble[:, None]], axis=1)
+
+    def rest_stretch(self, slopes: Array) -> Array:
+        """Return ∂X/∂ξ, (2, 2, q, e), for slopes of the 7 shape functions, (7, 2q)."""
+        corners = self.body.nodes[:, self.body.triangles]
+        flat = slopes[:6].T @ (corners - corners[:, :1])
+        return np.asarray(flat.reshape(2, 2, -1, corners.shape[2]))
 
     def during(self, state: State, dt: float) -> MixedPotential:
         """Return the elastic energy with the growth and stiffness in `state`, starting from its inner unknowns."""
@@ -92,18 +107,18 @@ class MixedPotential:
         """The energy ∫ 3μ/2 that cancels in the stress-free state."""
         return 1.5 * float(np.vdot(self.metric.weights, self.mu))
 
-    def stretch(self, values: Array, bubble: Array, slopes: Array) -> Array:
-        """Return the gradients (2, 2, q, e) of nodal values (2, n_nodes) plus bubbles."""
-        at_nodes = np.concatenate([values[:, self.operator.body.triangles], bubble[:, None]], axis=1)
-        return np.asarray((slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2]))
+    def stretch(self, x: Array, bubble: Array, slopes: Array) -> Array:
+        """Return H = ∂x/∂ξ, (2, 2, q, e), of the nodal displacement x (2 n_nodes,) and the bubbles."""
+        return self.operator.rest_stretch(slopes) + self.change(x, bubble, slopes)
 
-    def placed(self, x: Array) -> Array:
-        """Return the positions (2, n_nodes) of the nodes displaced by x (2 n_nodes,)."""
-        return self.operator.body.nodes + x.reshape(-1, 2).T
+    def change(self, x: Array, bubble: Array, slopes: Array) -> Array:
+        """Return the gradients (2, 2, q, e) of a nodal displacement (2 n_nodes,) and of bubbles alone."""
+        moves = self.operator.moves(x, bubble)
+        return np.asarray((slopes.T @ moves).reshape(2, 2, -1, moves.shape[2]))
 
     def evaluate(self, x: Array) -> MixedEvaluation | None:
         """Return energy and derivatives at x, or None where an element has no bubble with J* > 0 near the last."""
-        H = self.stretch(self.placed(x), self.bubble, self.operator.points.slopes)
+        H = self.stretch(x, self.bubble, self.operator.points.slopes)
         at = kinematics(H, self.metric)
         return None if at is None else MixedEvaluation(self, x, self.bubble, self.pressure, at).settled()
 
@@ -114,7 +129,7 @@ class MixedPotential:
 
     def longest(self, H: Array, direction: Array, bubble: Array) -> float:
         """Return that step for nodes moving along direction and bubbles moving along bubble."""
-        dH = self.stretch(direction.reshape(-1, 2).T, bubble, self.operator.points.slopes)
+        dH = self.change(direction, bubble, self.operator.points.slopes)
         now = H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0]
         linear = H[0, 0] * dH[1, 1] + dH[0, 0] * H[1, 1] - H[0, 1] * dH[1, 0] - dH[0, 1] * H[1, 0]
         square = dH[0, 0] * dH[1, 1] - dH[0, 1] * dH[1, 0]
@@ -130,8 +145,8 @@ class MixedPotential:
         at = self.evaluate(x)
         if at is None:
             return {}
-        points, body = self.operator.points, self.operator.body
-        H = self.stretch(self.placed(x), at.bubble, points.shown)
+        points = self.operator.points
+        H = self.stretch(x, at.bubble, points.shown)
         back = points.spread_back
         F = deformation(H, back @ self.metric.D)
         out2 = back @ self.metric.out2
@@ -204,12 +219,32 @@ class MixedEvaluation:
 
     @property
     def bubbles_rest(self) -> bool:
-        """Whether no force is left on the bubbles but round-off."""
+        """Whether no force is left on the bubbles, or none that round-off would let them follow."""
         weights = self.potential.metric.weights
+        size = np.abs(weights * self._own_law.a * self._along_bubble[0]).sum(1).max(0)
+        if (np.abs(self._forces[0][:, 6]) <= SETTLED * size).all():
+            return True
+        return bool((np.abs(self._bubble_move).max(0) <= ROUND_OFF * self._sizes).all())
+
+    @cached_property
+    def _sizes(self) -> Array:
+        return np.abs(self.at.H).max((0, 1, 2))
+
+    @cached_property
+    def _bubble_move(self) -> Array:
+        """Newton's step of the bubbles alone, (2, e)."""
+        potential, l = self.potential, self._own_law
+        weights, points = potential.metric.weights, potential.operator.points
         S, C = self._along_bubble
-        size = SETTLED * np.abs(weights * self._own_law.a * S).sum(1)
-        noise = 1e-15 * np.abs(weights * self.potential.kappa * C).sum(1)
-        return bool((np.abs(self._forces[0][:, 6]) <= (size + noise).max(0)).all())
+        beta, (xx, xy, yy) = points.bubble[:, :, None], potential.metric.B
+        stretch = xx * beta[0] ** 2 + 2 * xy * beta[0] * beta[1] + yy * beta[1] ** 2
+        # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
+        K = weights * (l.c1 * S + 0.5 * l.c2 * C)
+        one = (K[:, None] * C[None]).sum(2)
+        G = np.einsum("kq,iqe->kie", points.linear, weights * C)
+        stiffness = one + one.transpose(1, 0, 2) + np.einsum("kie,kje->ije", G, _times(potential.bulk, G))
+        stiffness += np.eye(2)[:, :, None] * (weights * l.a * stretch).sum(0)
+        return -_solved(stiffness, self._forces[0][:, 6])
 
     def settled(self) -> MixedEvaluation | None:
         """Return the evaluation with the bubbles where the energy is least, or None if they are not found."""
@@ -222,23 +257,14 @@ class MixedEvaluation:
 
     def relaxed(self) -> MixedEvaluation:
         """Return the evaluation after one Newton step of the bubbles, shortened where it would raise the energy."""
-        potential, l = self.potential, self._own_law
-        weights, points = potential.metric.weights, potential.operator.points
-        S, C = self._along_bubble
-        beta, (xx, xy, yy) = points.bubble[:, :, None], potential.metric.B
-        stretch = xx * beta[0] ** 2 + 2 * xy * beta[0] * beta[1] + yy * beta[1] ** 2
-        G = np.einsum("kq,iqe->kie", points.linear, weights * C)
-        K = np.einsum("kie,kle,lje->ije", G, potential.bulk, G)
-        K += np.einsum("qe,iqe,jqe->ije", weights * l.c1, S, C) + np.einsum("qe,iqe,jqe->ije", weights * l.c1, C, S)
-        K += np.einsum("qe,iqe,jqe->ije", weights * l.c2, C, C)
-        K += np.eye(2)[:, :, None] * (weights * l.a * stretch).sum(0)
-        move = -_solved(K, self._forces[0][:, 6])
+        move, C = self._bubble_move, self._along_bubble[1]
         loss = -(C * move[:, None]).sum(0) / self.at.J  # J* is affine in the bubble
         step = 1 / np.maximum(1.0, loss.max(0) / 0.9)
-        grain = 1e-15 * (np.abs(self.energies) + 1.5 * (weights * potential.mu).sum(0))
+        long = np.abs(move).max(0) / self._sizes
         while True:
             there = self._moved(step * move)
-            higher = (there.energies > self.energies + grain) & (step > 1e-9)
+            # steps below this are in the quadratic range, where round-off hides what they gain
+            higher = (there.energies > self.energies) & (step * long > 1e-6)
             if not higher.any():
                 return there
             step = np.where(higher, 0.5 * step, step)
@@ -312,7 +338,7 @@ class MixedRay:
         potential = start.potential
         self._from, self._direction = start, direction
         self._bubble = start.follow(direction)
-        moves = np.concatenate([direction[potential.operator.dofs].reshape(2, 6, -1), self._bubble[:, None]], axis=1)
+        moves = potential.operator.moves(direction, self._bubble)
         change = np.einsum("kie,ie->ke", start.volume_slope, moves.reshape(14, -1))
         self._target = start.volume + change  # A p⁺
         self._pressure = _times(potential.bulk, self._target)
@@ -335,7 +361,7 @@ class MixedRay:
         start, potential = self._from, self._from.potential
         x, bubble = start.x + step * self._direction, start.bubble + step * self._bubble
         pressure = start.pressure + step * (self._pressure - start.pressure)
-        H = potential.stretch(potential.placed(x), bubble, potential.operator.points.slopes)
+        H = potential.stretch(x, bubble, potential.operator.points.slopes)
         at = kinematics(H, potential.metric)
         if at is None:
             return None
