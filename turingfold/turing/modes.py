@@ -9,7 +9,8 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from .kinetics import Array
-from .reaction_diffusion import Discretisation, Integers, factorised
+from .linear import Integers, factorised
+from .reaction_diffusion import Discretisation
 from .stability import Conditions
 
 

@@ -12,8 +12,9 @@ from ..body import Body
 from ..checks import one_of, positive, whole
 from ..scene import State
 from .kinetics import Array, Kinetics
+from .linear import Integers
 from .modes import Mode, mode_with
-from .reaction_diffusion import Discretisation, Integers, ReactionDiffusion, discretise
+from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .stability import Conditions, at_ratio
 from .steady import SteadyState, refine, settle
 

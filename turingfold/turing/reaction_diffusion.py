@@ -6,27 +6,17 @@ the nodes and interpolated, so that their Jacobian is M times a diagonal and uni
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csc_array, diags_array, kron
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse import csc_array, diags_array
 from skfem import Basis, ElementTriP1, ElementTriP2, MeshTri1, MeshTri2
 from skfem.models.poisson import laplace, mass
 
 from ..checks import finite_array, positive
 from .kinetics import Array, Kinetics
-
-Integers = NDArray[np.int64]
-Solver = Callable[[Array], Array]
-
-
-def factorised(matrix: csc_array) -> SuperLU:
-    """Factorise a sparse matrix of symmetric pattern."""
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options={"SymmetricMode": True})
+from .linear import Blocks, Pattern, Solver
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,30 +54,10 @@ class Discretisation:
         return np.asarray(values @ self.weights / self.area)
 
     @cached_property
-    def columns(self) -> Integers:
-        """Column of each stored entry of the matrices, shape (n_entries,)."""
-        return np.repeat(np.arange(self.size), np.diff(self.mass.indptr))
-
-    @cached_property
-    def _coupled(self) -> tuple[csc_array, Integers]:
-        # pattern of the two-species matrix, unknowns interleaved node by node, and where each of its entries
-        # is found in the four blocks uu, uv, vu, vv laid end to end
-        count = self.mass.nnz
-        numbers = csc_array(
-            (np.arange(1, count + 1), self.mass.indices, self.mass.indptr), shape=self.mass.shape
-        )
-        offsets = np.array([[0, count], [2 * count, 3 * count]])
-        pattern = csc_array(kron(numbers, np.ones((2, 2), dtype=int), format="csc"))
-        pattern.sort_indices()
-        columns = np.repeat(np.arange(2 * self.size), np.diff(pattern.indptr))
-        take = pattern.data - 1 + offsets[pattern.indices % 2, columns % 2]
-        return pattern, take.astype(np.int64)
-
-    def coupled(self, blocks: tuple[Array, Array, Array, Array]) -> csc_array:
-        """Return the matrix of both species, unknowns u₀ v₀ u₁ v₁ ..., from its four blocks' entries."""
-        pattern, take = self._coupled
-        values = np.concatenate(blocks)[take]
-        return csc_array((values, pattern.indices, pattern.indptr), shape=pattern.shape)
+    def pattern(self) -> Pattern:
+        """Where the matrices have entries."""
+        indices, indptr = (part.astype(np.int64) for part in (self.mass.indices, self.mass.indptr))
+        return Pattern(indices, indptr, self.nodes)
 
 
 def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Discretisation:
@@ -145,19 +115,27 @@ class ReactionDiffusion:
 
     def rate(self, state: Array) -> Array:
         """Return M f(w) − D K w, the rate of change times the mass; shape (2, n_nodes)."""
-        reaction = np.stack(self.kinetics.rates(*state))
-        spread = np.stack([self.d_u * state[0], self.d_v * state[1]])
-        return np.asarray((self.space.mass @ reaction.T - self.space.stiffness @ spread.T).T)
+        return self.massed(np.stack(self.kinetics.rates(*state))) - self.spread(state)
 
-    def matrix(self, state: Array, shift: complex = 0.0) -> csc_array:
-        """Return shift·M − ∂rate/∂w, the unknowns in the order u₀ v₀ u₁ v₁ ..."""
-        space, at = self.space, self.space.columns
+    def spread(self, state: Array) -> Array:
+        """Return D K w, shape (2, n_nodes)."""
+        return np.asarray((self.space.stiffness @ (state.T * [self.d_u, self.d_v])).T)
+
+    def _blocks(self, state: Array, shift: float) -> Blocks:
+        space, at = self.space, self.space.pattern.columns
         m, k = space.mass.data, space.stiffness.data
         p_u, p_v, q_u, q_v = (slope[at] for slope in self.kinetics.derivatives(*state))
         uu, vv = m * (shift - p_u) + self.d_u * k, m * (shift - q_v) + self.d_v * k
-        return space.coupled((uu, -m * p_v, -m * q_u, vv))
+        return uu, -m * p_v, -m * q_u, vv
+
+    def matrix(self, state: Array, shift: float = 0.0) -> csc_array:
+        """Return shift·M − ∂rate/∂w, the unknowns in the order u₀ v₀ u₁ v₁ ..."""
+        return self.space.pattern.coupled(self._blocks(state, shift))
 
     def solver(self, state: Array, shift: float = 0.0) -> Solver:
         """Factorise shift·M − ∂rate/∂w; the function returned maps (2, n_nodes) to (2, n_nodes)."""
-        factors = factorised(self.matrix(state, shift))
-        return lambda right: factors.solve(right.T.ravel()).reshape(-1, 2).T
+        return self.space.pattern.coupled_solver(self._blocks(state, shift))
+
+    def massed(self, state: Array) -> Array:
+        """Return M w, shape (2, n_nodes)."""
+        return np.asarray((self.space.mass @ state.T).T)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -21,56 +20,83 @@ from .reaction_diffusion import ReactionDiffusion
 
 @dataclass(frozen=True, eq=False)
 class Tableau:
-    """Coefficients: `alpha` strictly lower, `gamma` lower with one diagonal value, two sets of weights."""
+    """Coefficients: γ, a and c strictly lower, the end m, and `error`, m minus the embedded end."""
 
     order: int
-    alpha: Array
-    gamma: Array
-    weights: Array
-    embedded: Array
-
-    @cached_property
-    def transformed(self) -> tuple[float, Array, Array, Array, Array]:
-        """Diagonal γ, a = αΓ⁻¹, c = I/γ − Γ⁻¹, m = bΓ⁻¹ and the difference m − m̂ of the two weights."""
-        inverse = np.linalg.inv(self.gamma)
-        diagonal = float(self.gamma[0, 0])
-        c = np.tril(np.eye(len(inverse)) / diagonal - inverse, -1)
-        return (
-            diagonal,
-            self.alpha @ inverse,
-            c,
-            self.weights @ inverse,
-            (self.weights - self.embedded) @ inverse,
-        )
+    gamma: float
+    a: Array
+    c: Array
+    m: Array
+    error: Array
 
 
-def _lower(diagonal: float, rows: tuple[tuple[float, ...], ...]) -> Array:
-    matrix = diagonal * np.eye(len(rows) + 1)
+def _lower(rows: tuple[tuple[float, ...], ...]) -> Array:
+    matrix = np.zeros((len(rows) + 1, len(rows) + 1))
     for i, row in enumerate(rows, start=1):
         matrix[i, : len(row)] = row
     return matrix
 
 
-# ROS34PW2: Rang, Angermann (2005) BIT 45:761, order 3, L-stable, keeps its order with an inexact Jacobian
-ROS34PW2 = Tableau(
+def _from_classical(
+    order: int, gamma: float, alpha: Array, below: Array, weights: Array, embedded: Array
+) -> Tableau:
+    # Γ = γI + below: a = αΓ⁻¹, c = I/γ − Γ⁻¹, m = bΓ⁻¹
+    inverse = np.linalg.inv(gamma * np.eye(len(below)) + below)
+    c = np.tril(-inverse, -1)
+    return Tableau(order, gamma, alpha @ inverse, c, weights @ inverse, (weights - embedded) @ inverse)
+
+
+# Rang, Angermann (2005) BIT 45:761: order 3, four stages, keeps its order with an inexact Jacobian
+ROS34PW2 = _from_classical(
     order=3,
+    gamma=4.3586652150845900e-01,
     alpha=_lower(
-        0.0, ((8.7173304301691801e-01,), (8.4457060015369423e-01, -1.1299064236484185e-01), (0.0, 0.0, 1.0))
+        ((8.7173304301691801e-01,), (8.4457060015369423e-01, -1.1299064236484185e-01), (0.0, 0.0, 1.0))
     ),
-    gamma=_lower(
-        4.3586652150845900e-01,
+    below=_lower(
         (
             (-8.7173304301691801e-01,),
             (-9.0338057013044082e-01, 5.4180672388095326e-02),
             (2.4212380706095346e-01, -1.2232505839045147, 5.4526025533510214e-01),
-        ),
+        )
     ),
     weights=np.array(
         [2.4212380706095346e-01, -1.2232505839045147, 1.5452602553351020, 4.3586652150845900e-01]
     ),
-    embedded=np.array(
-        [3.7810903145819369e-01, -9.6042292212423178e-02, 5.0000000000000000e-01, 2.1793326075422950e-01]
+    embedded=np.array([3.7810903145819369e-01, -9.6042292212423178e-02, 0.5, 2.1793326075422950e-01]),
+)
+
+_A5 = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950)
+# Hairer, Wanner (1996), RODAS: order 4, six stages; the last stage is the error estimate
+RODAS4 = Tableau(
+    order=4,
+    gamma=0.25,
+    a=_lower(
+        (
+            (1.544000000000000,),
+            (0.9466785280815826, 0.2557011698983284),
+            (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+            _A5,
+            (*_A5, 1.0),
+        )
     ),
+    c=_lower(
+        (
+            (-5.668800000000000,),
+            (-2.430093356833875, -0.2063599157091915),
+            (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+            (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+            (
+                8.083246795921522,
+                -7.981132988064893,
+                -31.52159432874371,
+                16.31930543123136,
+                -6.058818238834054,
+            ),
+        )
+    ),
+    m=np.array([*_A5, 1.0, 1.0]),
+    error=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
 )
 
 
@@ -92,7 +118,7 @@ def march(
     tolerance: float = 1e-4,
     floor: float | None = None,
     first: float | None = None,
-    tableau: Tableau = ROS34PW2,
+    tableau: Tableau = RODAS4,
 ) -> Iterator[Moment]:
     """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
 
@@ -133,23 +159,23 @@ def _step(
     tolerance: float,
     floor: float | None,
 ) -> tuple[Array, float]:
-    diagonal, a, c, m, difference = tableau.transformed
-    solve = system.solver(state, 1 / (step * diagonal))
+    a, c = tableau.a, tableau.c
+    solve = system.solver(state, 1 / (step * tableau.gamma))
     stages: list[Array] = []
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a step too long is refused below
-        for i in range(len(m)):
+        for i in range(len(a)):
             past = np.array(stages)
             at = state + np.tensordot(a[i, :i], past, 1) if i else state
             right = system.rate(at)
             if i:
-                right = right + (system.space.mass @ np.tensordot(c[i, :i] / step, past, 1).T).T
+                right = right + system.massed(np.tensordot(c[i, :i] / step, past, 1))
             if not np.isfinite(right).all():
                 return state, math.inf
             stages.append(solve(right))
         found = np.array(stages)
-        candidate = state + np.tensordot(m, found, 1)
+        candidate = state + np.tensordot(tableau.m, found, 1)
         size = np.maximum(np.abs(state), np.abs(candidate))
         least = tolerance * size.max(axis=1, keepdims=True) if floor is None else floor
-        weighted = np.tensordot(difference, found, 1) / (tolerance * size + least + 1e-300)
+        weighted = np.tensordot(tableau.error, found, 1) / (tolerance * size + least + 1e-300)
         error = float(np.sqrt(np.mean(weighted**2)))
     return (candidate, error) if math.isfinite(error) else (state, math.inf)
