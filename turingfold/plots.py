@@ -173,10 +173,11 @@ def folding(figure: Figure, result: Result, *, term: Term) -> None:
 def measures(result: Result) -> str:
     """Return growth, sulci, gyrification index and registration as one line."""
     s = result.summary()
-    words = [
-        f"growth {s['growth']:.2f}", f"{s['folds']} sulci", f"gyrification index {s['gyrification_index']:.2f}",
-    ]  # fmt: skip
-    return ", ".join(words if s["registration"] is None else [*words, f"registration {s['registration']:+.2f}"])
+    words = [f"growth {s['growth']:.2f}", f"{s['folds']} sulci"]
+    words.append(f"gyrification index {s['gyrification_index']:.2f}")
+    if s["registration"] is not None:
+        words.append(f"registration {s['registration']:+.2f}")
+    return ", ".join(words)
 
 
 def _inside(body: Body) -> tuple[float, float]:
@@ -209,7 +210,7 @@ def _shaded(axes: Axes, points: Array, body: Body, layer: Any, values: Array, no
 
 
 def _at_nodes(body: Body, values: Array, layer: Any) -> Array:
-    """Return values (q, e) at the nodes (n,) of a layer: linear in each triangle, then averaged at the nodes."""
+    """Return values (q, e) at the nodes (n,) of a layer: linear in each triangle, averaged at nodes."""
     at_points = BARYCENTRIC @ body.quadrature.shapes
     extrapolated = BARYCENTRIC.T @ np.linalg.lstsq(at_points.T, values[:, layer], rcond=None)[0]
     nodes, n = body.triangles[:, layer].ravel(), body.nodes.shape[1]
@@ -220,7 +221,7 @@ def _at_nodes(body: Body, values: Array, layer: Any) -> Array:
 def _limits(values: Array, weights: Array, *, centred: bool) -> tuple[float, float]:
     order = np.argsort(values, axis=None)
     share = np.cumsum(weights.ravel()[order]) / weights.sum()
-    low, high = (float(values.ravel()[order][min(np.searchsorted(share, s), share.size - 1)]) for s in (0.01, 0.99))
+    low, high = (float(np.interp(s, share, values.ravel()[order])) for s in (0.01, 0.99))
     low = low if centred else 0.0
     return (low, high) if high > low else (low, low + max(1e-12, abs(low)))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
 
-SEGMENT = 5  # steps between checkpoints
+CHECKPOINT = 1.0  # s between checkpoints
 
 
 class StoppedError(NotConvergedError):
@@ -75,52 +75,35 @@ class _Run:
     folder: ResultFolder | None = None
     states: list[State] = field(default_factory=list)
     history: list[Row] = field(default_factory=list)
-    parts: dict[str, float] = field(default_factory=dict)
-    spent: float = 0.0  # before an interruption
+    parts: dict[str, float] = field(default_factory=dict)  # seconds, without those of the present march
+    marching: Mapping[str, float] = field(default_factory=dict)  # seconds of the present march
+    spent: float = 0.0  # seconds before an interruption
     began: float = field(default_factory=perf_counter)
+    position: Progress | None = None
+    saved: float = 0.0  # when the last checkpoint was written
 
     def to_the_end(self) -> Result:
-        """March until the scene's end; whatever stops it, what was reached is summed up."""
+        """March until the scene's end; whatever stops it, what was reached is kept and summed up."""
+        self.position = self._start()
         try:
-            for step, position, ended in _segments(self.scene, self._position(), self.began):
-                self._accept(step)
-                if ended:
-                    self._book(step.seconds)
-                    self._save(position)
+            for step, position in march(self.scene, self.position):
+                self._accept(step, position)
         except SolveError as error:
-            if not self.states:
-                raise
             raise StoppedError(error, self._finish()) from error
         except KeyboardInterrupt:
-            if self.states:
-                self._finish()
+            self._finish()
             raise
         return self._finish()
 
-    def _finish(self) -> Result:
-        reached = self.states[-1].time >= self.scene.until * (1 - 1e-12)
-        states, history = tuple(self.states), tuple(self.history)
-        result = Result(self.scene, states, history, reached, self._seconds(), dict(self.parts))
-        if self.folder is not None:
-            self.folder.summarise(result.summary())
-        return result
-
-    def _seconds(self) -> float:
-        return self.spent + perf_counter() - self.began
-
-    def _book(self, seconds: Mapping[str, float]) -> None:
-        for part, spent in seconds.items():
-            self.parts[part] = self.parts.get(part, 0.0) + spent
-
-    def _position(self) -> Progress:
+    def _start(self) -> Progress:
         """Return where to go on: at the checkpoint, or at the start."""
         found = self.folder.checkpoint() if self.folder is not None else None
         if self.folder is None or found is None:
             position = begin(self.scene)
             self.states.append(position.state)
-            self._book({"starting": self._seconds()})
+            self.parts["starting"] = self._seconds()
             if self.folder is not None:
-                self._keep(observe(self.scene, position.state, position.dt))
+                self.folder.add_state(0, position.state, observe(self.scene, position.state, position.dt))
                 self._save(position)
             return position
         from .output.folder import read_states
@@ -131,54 +114,50 @@ class _Run:
         self.parts, self.spent = dict(found.seconds_by_part), found.seconds
         return found.progress
 
-    def _accept(self, step: Step) -> None:
+    def _accept(self, step: Step, position: Progress) -> None:
+        """Measure a step, write it down, and only then count it."""
         from .morphometry.shape import gyrification_index
 
         before, state, body = self.states[-1].time, step.state, self.scene.body
-        self.states.append(state)
         pial = along_pial(body, (body.nodes + state["displacement"])[:, body.pial])
         index = gyrification_index(pial, closed=pial_closed(body))
         row = {**step.numbers, "growth": growth(state), "gyrification_index": index}
-        self.history.append(row)
+        began = perf_counter()
         if self.folder is not None:
-            began = perf_counter()
             if _due(before, state.time, self.scene.until, self.frames):
-                self._keep(step.observe())
+                self.folder.add_state(len(self.history) + 1, state, step.observe())
             self.folder.add_row(row)
-            self._book({"writing": perf_counter() - began})
+        self.states.append(state)
+        self.history.append(row)
+        self.position, self.marching = position, step.seconds
+        if perf_counter() - self.saved > CHECKPOINT:
+            self._save(position)
+        if self.folder is not None:
+            self.parts["writing"] = self.parts.get("writing", 0.0) + perf_counter() - began
         if self.progress is not None:
             self.progress(row)
 
-    def _keep(self, observed: Mapping[str, Array]) -> None:
+    def _finish(self) -> Result:
+        if self.position is not None:
+            self._save(self.position)
+        reached = self.states[-1].time >= self.scene.until * (1 - 1e-12)
+        states, history = tuple(self.states), tuple(self.history)
+        result = Result(self.scene, states, history, reached, self._seconds(), self._parts())
         if self.folder is not None:
-            self.folder.add_state(len(self.history), self.states[-1], observed)
+            self.folder.summarise(result.summary())
+        return result
 
     def _save(self, position: Progress) -> None:
-        from .output.folder import Checkpoint
-
         if self.folder is not None:
-            self.folder.save(Checkpoint(position, len(self.history), self._seconds(), self.parts))
+            self.folder.save(position, len(self.history), self._seconds(), self._parts())
+            self.saved = perf_counter()
 
+    def _seconds(self) -> float:
+        return self.spent + perf_counter() - self.began
 
-def _segments(scene: Scene, position: Progress, began: float) -> Iterator[tuple[Step, Progress, bool]]:
-    """Yield steps, progress, and whether a checkpoint is due.
-
-    After each checkpoint the march starts afresh, as it does when it is resumed: what a solver remembers of
-    earlier steps would else make the two differ in the last bits.
-    """
-    until, limit = scene.until * (1 - 1e-12), scene.stepping.seconds
-    while position.state.time < until:
-        for count, (step, position) in enumerate(march(scene, position), start=1):  # noqa: B020 - on purpose
-            ended = count == SEGMENT or position.state.time >= until
-            yield step, position, ended
-            if perf_counter() - began > limit and position.state.time < until:
-                raise NotConvergedError(
-                    f"the time limit of {limit:g} s was reached at t = {position.state.time:.6g} of "
-                    f"{scene.until:g}; allow more with Stepping(seconds=...), or resume.",
-                    time=position.state.time,
-                )
-            if ended:
-                break
+    def _parts(self) -> dict[str, float]:
+        parts = [*self.parts, *(part for part in self.marching if part not in self.parts)]
+        return {part: self.parts.get(part, 0.0) + self.marching.get(part, 0.0) for part in parts}
 
 
 def _due(before: float, now: float, until: float, frames: int) -> bool:

@@ -168,9 +168,12 @@ class ResultFolder:
         self._index.append((state.time, f"frames/{name}.vtu"))
         write_whole(self.path / "frames.pvd", index(self._index))
 
-    def save(self, checkpoint: Checkpoint) -> None:
+    def save(
+        self, progress: Progress, step: int, seconds: float, seconds_by_part: Mapping[str, float]
+    ) -> None:
         """Write a checkpoint and remove all but the last two."""
-        write_arrays(self.path / f"checkpoint-{checkpoint.step:06d}.npz", _arrays(checkpoint))
+        checkpoint = Checkpoint(progress, step, seconds, seconds_by_part)
+        write_arrays(self.path / f"checkpoint-{step:06d}.npz", _arrays(checkpoint))
         for old in sorted(self.path.glob("checkpoint-*.npz"))[:-KEPT_CHECKPOINTS]:
             with writing(old):
                 old.unlink()
@@ -213,7 +216,8 @@ def _arrays(checkpoint: Checkpoint) -> Arrays:
         arrays["previous"] = progress.previous
     if (memory := progress.memory) is not None:
         arrays["memory.places"] = memory.places
-        arrays["memory.level"], arrays["memory.certified"] = np.array(memory.level), np.array(memory.certified)
+        arrays["memory.level"] = np.array(memory.level)
+        arrays["memory.certified"] = np.array(memory.certified)
     return arrays
 
 

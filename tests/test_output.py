@@ -1,0 +1,353 @@
+"""Results on disk: round trips, damage, foreign content, and going on after a kill to the last bit."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from small import elastic_scene, folding_scene
+from test_results import Breaks
+
+import turingfold
+from turingfold import CorruptFileError, OutputError, load, simulate
+from turingfold.output.codec import decode, encode
+from turingfold.output.document import difference, stored
+from turingfold.output.files import digest, read_arrays, write_arrays, write_whole
+from turingfold.output.history import read_history
+from turingfold.output.vtu import entries, frame, in_cells, index
+
+HERE = Path(__file__).parent
+PARTS = [
+    turingfold.Elastic(gray=turingfold.NeoHookean(1.0, 5.0), white=turingfold.NeoHookean(2.0, 1 / 3)),
+    turingfold.TangentialGrowth(cortex=1.9, history=turingfold.Table(times=(0.0, 0.1), shares=(0.0, 1.0))),
+    turingfold.AxonalTension(strength=-0.5, surface="pial", direction="toward-peaks"),
+    turingfold.Turing(turingfold.BVAM(), half_waves=20, ratio=7.0),
+    turingfold.SelfContact(),
+    turingfold.Stepping(seconds=np.inf),
+]
+
+
+def same(a, b):
+    return a.keys() == b.keys() and all(np.array_equal(a[k], b[k], equal_nan=True) for k in a)
+
+
+# scenes as JSON
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_parts_come_back_equal(part):
+    text = json.dumps(encode(part, {}), allow_nan=False)
+    assert decode(json.loads(text), {}) == part
+
+
+def test_a_scene_comes_back_with_its_mesh():
+    scene = folding_scene()
+    document, arrays = stored(scene)
+    again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays)
+    assert again.terms == scene.terms
+    assert again.processes == scene.processes
+    assert again.stepping == scene.stepping
+    np.testing.assert_array_equal(again.body.nodes, scene.body.nodes)
+    np.testing.assert_array_equal(again.body.pial, scene.body.pial)
+    np.testing.assert_array_equal(again.body.in_cortex, scene.body.in_cortex)
+    assert difference(stored(again)[0], document) == ""
+
+
+@pytest.mark.parametrize(
+    "foreign",
+    [
+        {"class": "subprocess.Popen", "args": "true"},
+        {"function": "os.system"},
+        {"class": "turingfold.run.Scene"},  # not where it is defined
+        {"class": "turingfold.output.folder.ResultFolder"},  # not a dataclass
+        {"class": "turingfold.nothing.Here"},
+        {"class": "turingfold..scene"},
+        {"array": "absent"},
+    ],
+)
+def test_what_is_read_cannot_run_other_code(foreign):
+    with pytest.raises(ValueError, match="the stored scene"):
+        decode(foreign, {})
+
+
+def test_fields_must_be_those_of_the_class():
+    part = encode(turingfold.SelfContact(), {})
+    with pytest.raises(ValueError, match="differ in the fields: strength"):
+        decode({**part, "strength": 1.0}, {})
+
+
+def test_own_classes_must_be_named():
+    part = json.loads(json.dumps(encode(Breaks(after=0.25), {})))
+    with pytest.raises(ValueError, match=r"known="):
+        decode(part, {})
+    assert decode(part, {}, known=[Breaks]) == Breaks(after=0.25)
+
+
+@pytest.mark.parametrize("value", [lambda u, v: u, object(), {1: 2}])
+def test_what_cannot_be_written_down_is_refused(value):
+    with pytest.raises(ValueError, match=r"stored with the results|top of a module"):
+        encode(value, {})
+
+
+# files
+
+
+def test_arrays_keep_their_bits_and_show_damage(tmp_path):
+    arrays = {"x": np.random.default_rng(0).standard_normal((3, 40)), "n": np.array(7), "empty": np.zeros(0)}
+    write_arrays(tmp_path / "a.npz", arrays)
+    assert same(read_arrays(tmp_path / "a.npz"), arrays)
+    content = (tmp_path / "a.npz").read_bytes()
+    caught = 0
+    for at in range(0, len(content), 23):
+        (tmp_path / "a.npz").write_bytes(content[:at] + bytes([content[at] ^ 0xFF]) + content[at + 1 :])
+        try:  # a changed date in the archive harms nobody
+            assert same(read_arrays(tmp_path / "a.npz"), arrays)
+        except CorruptFileError:
+            caught += 1
+    assert caught > 960 / 23  # at least each time when one of the numbers was hit
+    (tmp_path / "a.npz").write_bytes(content[: len(content) // 2])
+    with pytest.raises(CorruptFileError, match="damaged"):
+        read_arrays(tmp_path / "a.npz")
+
+
+def test_pickled_arrays_are_not_read(tmp_path):
+    np.savez(tmp_path / "a.npz", x=np.array([{}], dtype=object), sha256=np.array(""))
+    with pytest.raises(CorruptFileError):
+        read_arrays(tmp_path / "a.npz")
+
+
+def test_the_checksum_sees_names_types_and_shapes():
+    x = np.arange(6.0)
+    tables = ({"x": x}, {"y": x}, {"x": x.reshape(2, 3)}, {"x": x.astype(int)}, {"x": x, "y": x})
+    assert len({digest(table) for table in tables}) == len(tables)
+    assert digest({"x": np.asfortranarray(x.reshape(2, 3))}) == digest({"x": x.reshape(2, 3)})
+
+
+def test_a_write_that_fails_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "summary.json"
+    write_whole(path, b"old")
+
+    def full(_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OutputError, match=r"No space left on device.*resume") as caught:
+        write_whole(path, b"new")
+    assert caught.value.errno == errno.ENOSPC
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_read_only_folder_is_an_output_error(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(OutputError, match="could not write"):
+        simulate(elastic_scene(), tmp_path / "out")
+
+
+# ParaView
+
+
+def test_a_frame_opens_in_other_programs(tmp_path):
+    result = simulate(folding_scene())
+    body, observed = result.scene.body, result.observe()
+    (tmp_path / "f.vtu").write_bytes(frame(body, result.last, observed))
+    mesh = meshio.read(tmp_path / "f.vtu")
+    (block,) = mesh.cells
+    assert block.type == "triangle6"
+    # VTK's order: corners, then the middles of 01, 12, 20; white matter has straight edges
+    corners = mesh.points[block.data[:, :3]]
+    middles = mesh.points[block.data[:, 3:]]
+    expected = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    straight = mesh.cell_data["layer"][0] == 0
+    inner = straight & (np.hypot(*corners.mean(1)[:, :2].T) < 0.8 * body.length)
+    np.testing.assert_allclose(middles[inner], expected[inner], atol=1e-14)
+    assert mesh.point_data["displacement"].shape == (body.nodes.shape[1], 3)
+    np.testing.assert_array_equal(mesh.point_data["displacement"][:, :2].T, result.last["displacement"])
+    assert not mesh.point_data["displacement"][:, 2].any()
+    assert {"von_mises", "pressure", "jacobian", "growth", "layer"} <= set(mesh.cell_data)
+    assert {"activator", "inhibitor", "pattern"} <= set(mesh.point_data)
+    in_band = np.isfinite(mesh.point_data["pattern"])
+    assert set(np.flatnonzero(in_band)) == set(body.cortex.nodes)
+
+
+def test_cells_have_the_mean_of_their_area():
+    body = elastic_scene().body
+    x = body.quadrature.points[0]
+    # the mean of x over a straight triangle is that of its corners
+    straight = np.flatnonzero(~body.in_cortex)[-5:]
+    corners = body.nodes[0][body.triangles[:3]].mean(0)
+    np.testing.assert_allclose(in_cells(body, x)[straight], corners[straight], atol=1e-13)
+
+
+def test_the_index_lists_frames_in_time():
+    listed = [(1.0, "frames/000003.vtu"), (0.0, "frames/000000.vtu"), (1 / 3, "frames/000001.vtu")]
+    assert entries(index(listed)) == sorted(listed)
+
+
+# the folder of a result
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("finished") / "out"
+    return folder, simulate(elastic_scene(), folder, frames=3)
+
+
+def test_a_stored_result_comes_back(finished):
+    folder, result = finished
+    found = load(folder)
+    assert found.summary() == result.summary()
+    assert [set(row) for row in found.history] == [set(row) | {"min_gap"} for row in result.history]
+    for row, other in zip(found.history, result.history, strict=True):
+        assert all(row[name] == other[name] for name in other)  # to the last bit
+    # three frames evenly in time, and the start
+    assert found.states[0].time == 0.0
+    for state in found.states:
+        (original,) = [s for s in result.states if s.time == state.time]
+        assert same(state.fields, original.fields)
+    assert len(found.states) == 4
+    assert [t for t, _ in entries((folder / "frames.pvd").read_bytes())] == [s.time for s in found.states]
+    assert len(list(folder.glob("checkpoint-*.npz"))) == 2
+
+
+def test_versions_and_seed_are_kept(finished):
+    document = json.loads((finished[0] / "scene.json").read_text())
+    assert document["versions"]["numpy"] == np.__version__
+    assert document["scene"]["seed"] == 0
+
+
+def test_a_finished_result_is_not_run_again(finished):
+    folder, result = finished
+    before = (folder / "history.csv").read_bytes()
+    again = simulate(elastic_scene(), folder, resume=True)
+    assert again.converged
+    assert same(again.last.fields, result.last.fields)
+    assert (folder / "history.csv").read_bytes() == before
+
+
+def test_a_folder_with_another_result_is_refused(finished):
+    folder, _ = finished
+    with pytest.raises(ValueError, match=r"already holds this result.*resume"):
+        simulate(elastic_scene(), folder)
+    with pytest.raises(ValueError, match=r"another scene \(scene.until was 1.0 and is 0.5\)"):
+        simulate(elastic_scene(until=0.5), folder)
+    with pytest.raises(ValueError, match=r"another scene: scene.until was 1.0 and is 0.5"):
+        simulate(elastic_scene(until=0.5), folder, resume=True)
+
+
+def test_overwriting_removes_what_was_there(tmp_path):
+    simulate(elastic_scene(), tmp_path / "out", frames=50)
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    result = simulate(elastic_scene(until=0.5), tmp_path / "out", frames=1, overwrite=True)
+    assert len(load(tmp_path / "out").states) == 2
+    assert load(tmp_path / "out").last.time == result.last.time == 0.5
+    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def test_foreign_files_are_left_alone(tmp_path):
+    (tmp_path / "thesis.tex").write_text("")
+    with pytest.raises(ValueError, match="files that are no result"):
+        simulate(elastic_scene(), tmp_path)
+    with pytest.raises(ValueError, match="is a file"):
+        simulate(elastic_scene(), tmp_path / "thesis.tex")
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+    with pytest.raises(ValueError, match="no result"):
+        load(tmp_path)
+
+
+def test_a_body_of_another_scene_is_noticed(tmp_path):
+    simulate(elastic_scene(), tmp_path / "out")
+    write_arrays(tmp_path / "out" / "body.npz", {"x": np.zeros(3)})
+    with pytest.raises(CorruptFileError, match="does not belong"):
+        load(tmp_path / "out")
+
+
+# going on after an interruption
+
+SCRIPT = """
+import os, resource, signal, sys
+sys.path.insert(0, {here!r})
+import turingfold.run
+from small import folding_scene
+turingfold.run.CHECKPOINT = 0.0
+rows = []
+def progress(row):
+    rows.append(row)
+    if len(rows) == {kill}:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if len(rows) == {fill}:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+turingfold.run.simulate(folding_scene(), {out!r}, progress=progress, resume={resume}, frames=4)
+"""
+
+
+def run(out, *, kill=-1, fill=-1, resume=False, status=0):
+    """Run the scene in a process that is killed, or whose disk is full, after so many steps."""
+    script = SCRIPT.format(here=str(HERE), kill=kill, fill=fill, out=str(out), resume=resume)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=HERE.parent)
+    assert done.returncode == status, done.stderr
+    return done
+
+
+def numbers(folder):
+    return [{k: v for k, v in row.items() if k != "seconds"} for row in read_history(folder)]
+
+
+def assert_same_result(folder, other):
+    for file in sorted(other.glob("states/*.npz")):
+        assert same(read_arrays(folder / "states" / file.name), read_arrays(file)), file.name
+    assert len(list(folder.glob("states/*.npz"))) == len(list(other.glob("states/*.npz")))
+    assert repr(numbers(folder)) == repr(numbers(other))
+    assert (folder / "frames.pvd").read_bytes() == (other / "frames.pvd").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole") / "out"
+    run(folder)
+    return folder
+
+
+# contact acts from step 10 on
+@pytest.mark.parametrize(
+    "kill", [pytest.param(1, marks=pytest.mark.slow), pytest.param(6, marks=pytest.mark.slow), 12]
+)
+def test_a_killed_run_goes_on_to_the_last_bit(tmp_path, uninterrupted, kill):
+    out = tmp_path / "out"
+    run(out, kill=kill, status=-signal.SIGKILL)
+    assert len(numbers(out)) == kill
+    assert not (out / "summary.json").exists()
+    run(out, resume=True)
+    assert_same_result(out, uninterrupted)
+
+
+def test_a_damaged_checkpoint_falls_back_to_the_older_one(tmp_path, uninterrupted):
+    out = tmp_path / "out"
+    run(out, kill=11, status=-signal.SIGKILL)
+    newest = sorted(out.glob("checkpoint-*.npz"))[-1]
+    newest.write_bytes(newest.read_bytes()[:-100])
+    done = run(out, resume=True)
+    assert f"{newest.name} is damaged" in done.stderr
+    assert "older state" in done.stderr
+    assert_same_result(out, uninterrupted)
+
+
+def test_a_full_disk_keeps_what_was_written(tmp_path, uninterrupted):
+    out = tmp_path / "out"
+    done = run(out, fill=11, status=1)
+    assert "OutputError" in done.stderr
+    assert "could not write" in done.stderr
+    for file in out.rglob("*.npz"):
+        read_arrays(file)
+    assert not list(out.rglob("*.part"))
+    assert len(numbers(out)) == 11
+    run(out, resume=True)
+    assert_same_result(out, uninterrupted)

@@ -1,0 +1,164 @@
+"""Running scenes: what comes back, and what a failure leaves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
+
+from turingfold import NotConvergedError, Stepping, StoppedError, half, load, semicircle, simulate
+
+KEYS = {
+    "dofs", "triangles", "steps", "newton_iterations", "factorizations", "seconds", "seconds_by_part",
+    "growth", "energy", "residual", "min_jacobian", "min_gap", "self_intersections", "gyrification_index",
+    "folds", "sulcal_depth", "mirror_error", "registration", "converged",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def grown():
+    return simulate(elastic_scene())
+
+
+@dataclass(frozen=True)
+class Breaks:
+    """Growth that is 1 until `after`, then not a number."""
+
+    after: float = 0.5
+    reads: tuple[str, ...] = ()
+    writes: tuple[str, ...] = ("growth",)
+
+    def start(self, body, state, seed):
+        return self.advance(body, state, 0.0)
+
+    def advance(self, body, state, dt):
+        value = 1.0 if state.time + dt <= self.after else np.nan
+        return {"growth": np.full((3, *body.quadrature.weights.shape), value)}
+
+
+@dataclass(frozen=True)
+class NeverBegins(Breaks):
+    def start(self, body, state, seed):
+        raise NotConvergedError("no pattern")
+
+
+def test_states_go_from_rest_to_the_end(grown):
+    times = [state.time for state in grown.states]
+    assert times[0] == 0.0
+    assert times[-1] == grown.scene.until
+    assert (np.diff(times) > 0).all()
+    assert not grown.states[0]["displacement"].any()
+    assert grown.last is grown.states[-1]
+
+
+def test_history_has_a_row_per_step(grown):
+    assert len(grown.history) == len(grown.states) - 1
+    assert [row["time"] for row in grown.history] == [state.time for state in grown.states[1:]]
+    assert sum(row["step"] for row in grown.history) == pytest.approx(grown.scene.until, rel=1e-12)
+    # linear history: g - 1 is proportional to time
+    for row in grown.history:
+        assert row["growth"] == pytest.approx(1 + (GROWTH - 1) * row["time"], rel=1e-12)
+
+
+def test_progress_sees_every_row():
+    rows = []
+    result = simulate(elastic_scene(), progress=rows.append)
+    assert rows == list(result.history)
+
+
+def test_pial_surface_at_rest_is_the_half_circle(grown):
+    x, y = grown.pial(0)
+    assert np.hypot(x, y) == pytest.approx(RADIUS, abs=1e-4)  # the middles of edges are on the circle too
+    angle = np.arctan2(y, x)
+    assert angle[0] == pytest.approx(0.0, abs=1e-12)
+    assert angle[-1] == pytest.approx(np.pi, abs=1e-12)
+    assert (np.diff(angle) > 0).all()
+    assert grown.pial().shape == grown.pial(0).shape
+
+
+def test_half_body_reports_the_whole_surface():
+    body = semicircle(radius=RADIUS, thickness=THICKNESS, size=0.25)
+    whole, part = simulate(elastic_scene(body=body)), simulate(elastic_scene(body=half(body)))
+    np.testing.assert_allclose(part.pial(0), whole.pial(0), atol=1e-14)
+    np.testing.assert_allclose(part.pial(), whole.pial(), atol=1e-7)
+    of_part, of_whole = part.summary(), whole.summary()
+    assert of_part["mirror_error"] == 0.0
+    assert of_part["gyrification_index"] == pytest.approx(of_whole["gyrification_index"], rel=1e-6)
+
+
+def test_observe_at_rest_shows_no_stress(grown):
+    fields = grown.observe(0)
+    shape = grown.scene.body.quadrature.weights.shape
+    assert {name: values.shape for name, values in fields.items()} == dict.fromkeys(
+        ("von_mises", "pressure", "jacobian"), shape
+    )
+    assert np.abs(fields["von_mises"]).max() < 1e-12
+    assert np.abs(fields["jacobian"] - 1).max() < 1e-13
+    assert np.abs(grown.observe()["von_mises"]).max() > 0.01  # growth that is held back stresses the body
+
+
+def test_summary_of_a_scene_without_pattern_and_contact(grown):
+    summary = grown.summary()
+    body = grown.scene.body
+    base = body.nodes[1] == 0
+    assert set(summary) == KEYS
+    assert summary["dofs"] == 2 * (body.nodes.shape[1] - base.sum())  # clamped
+    assert summary["triangles"] == body.mesh.nelements
+    assert summary["growth"] == GROWTH
+    assert summary["steps"] == len(grown.history)
+    assert summary["newton_iterations"] == sum(row["newton_iterations"] for row in grown.history)
+    assert summary["min_jacobian"] == min(row["min_jacobian"] for row in grown.history)
+    assert summary["registration"] is None
+    assert summary["min_gap"] is None
+    assert summary["self_intersections"] == 0
+    assert summary["mirror_error"] < 1e-9 * RADIUS
+    assert summary["converged"] is True
+    assert 0 < sum(summary["seconds_by_part"].values()) <= summary["seconds"]
+
+
+def test_summary_of_a_folding_scene():
+    result = simulate(folding_scene())
+    summary = result.summary()
+    assert -1 <= summary["registration"] <= 1
+    assert summary["min_gap"] > 0
+    assert result.pattern().shape == result.pial().shape[1:]
+    assert result.pattern().min() >= 0
+    assert result.pattern().max() <= 1
+
+
+def test_a_march_that_stops_keeps_what_it_reached():
+    scene = elastic_scene(Breaks(), stepping=Stepping(first=0.1, largest=0.1, smallest=1e-3))
+    with pytest.raises(StoppedError, match=r"'growth' is not finite") as caught:
+        simulate(scene)
+    result = caught.value.result
+    assert 0.5 - 2e-3 <= result.last.time <= 0.5
+    assert caught.value.time == result.last.time
+    assert not result.converged
+    assert result.summary()["converged"] is False
+    assert len(result.history) == len(result.states) - 1
+
+
+def test_a_march_that_stops_is_on_disk(tmp_path):
+    scene = elastic_scene(Breaks(), stepping=Stepping(first=0.1, largest=0.1, smallest=1e-3))
+    with pytest.raises(StoppedError) as caught:
+        simulate(scene, tmp_path / "out")
+    found = load(tmp_path / "out", known=[Breaks])
+    assert not found.converged
+    assert len(found.history) == len(caught.value.result.history)
+    assert found.scene.processes == (Breaks(),)
+
+
+def test_a_scene_that_does_not_begin_says_why():
+    with pytest.raises(NotConvergedError, match="no pattern"):
+        simulate(elastic_scene(NeverBegins()))
+
+
+def test_the_time_limit_stops_a_march():
+    with pytest.raises(StoppedError, match="time limit"):
+        simulate(elastic_scene(stepping=Stepping(seconds=1e-9)))
+
+
+@pytest.mark.parametrize("options", [{"frames": 0}, {"resume": True}, {"overwrite": True}])
+def test_options_that_make_no_sense(options):
+    with pytest.raises(ValueError, match=r"frames=0|need a folder"):
+        simulate(elastic_scene(), **options)
