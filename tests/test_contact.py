@@ -9,9 +9,10 @@ from skfem import MeshTri1
 
 from turingfold.body import Body
 from turingfold.geometry import half, semicircle
+from turingfold.growth import TangentialGrowth
 from turingfold.mechanics.contact import SelfContact
 from turingfold.mechanics.elastic import Elastic
-from turingfold.mechanics.march import begin
+from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
 from turingfold.scene import Scene, State
 
@@ -199,3 +200,28 @@ def test_a_body_that_touches_itself_at_rest_is_refused():
 def test_bad_input_is_refused(name, bad):
     with pytest.raises(ValueError, match=name):
         SelfContact(**{name: bad})
+
+
+def test_skull_confines_the_folding_brain():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    angle = np.linspace(0.02, np.pi - 0.02, 200)
+    radius = 1.05
+    skull = radius * np.stack([np.cos(angle), np.sin(angle)])
+    solid, growth = Elastic(gray=NeoHookean(1.0, 5.0)), TangentialGrowth(cortex=1.9)
+    outside = {}
+    for name, contact in (("free", SelfContact()), ("skull", SelfContact(skull=skull))):
+        scene = Scene(body=body, terms=(solid, contact), processes=(growth,))
+        for step, _ in march(scene, begin(scene)):
+            pial = (body.nodes + step.state["displacement"])[:, body.pial]
+        above = pial[:, pial[1] > 0.1]
+        outside[name] = np.hypot(*above).max()
+    assert outside["free"] > 1.1
+    assert outside["skull"] < radius
+
+
+def test_skull_too_close():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    with pytest.raises(ValueError, match="skull"):
+        SelfContact(skull=body.nodes[:, body.pial] * 1.0001).on(body)
+    with pytest.raises(ValueError, match="skull has shape"):
+        SelfContact(skull=np.zeros((3, 5)))

@@ -8,16 +8,18 @@ an obstacle.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import ipctk
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csc_matrix, tril
 
 from ..arrays import Array, Integers
 from ..body import Body
-from ..checks import positive
+from ..checks import finite_array, positive
 from ..scene import Hessian, State
 
 ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
@@ -30,15 +32,22 @@ class SelfContact:
 
     gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or
     nodes would be in contact from the start.  stiffness: traction at half the distance dhat, in units of the
-    scene's largest shear modulus.
+    scene's largest shear modulus.  skull: a fixed curve around the body that it cannot pass, points (2, n) in
+    m; its ends stay clear of the lines on which base and mirror continue.
     """
 
     gap: float = 0.4
     stiffness: float = 1.0
+    skull: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         positive("gap", self.gap, at_most=0.9, remedy="neighbouring nodes must not be in contact at rest")
         positive("stiffness", self.stiffness)
+        if self.skull is not None:
+            points = finite_array("skull", self.skull, (2, None))
+            if points.shape[1] < 2:
+                raise ValueError(f"skull has {points.shape[1]} point; give at least two.")
+            object.__setattr__(self, "skull", tuple(map(tuple, points.tolist())))
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -58,11 +67,12 @@ class ContactOperator:
     def __init__(self, body: Body, term: SelfContact) -> None:
         self.unit = body.length
         self.nodes, edges, shortest = _boundary(body)
-        obstacles, obstacle_edges = _obstacles(body, self.nodes)
+        obstacles, obstacle_edges = _obstacles(
+            body, self.nodes, None if term.skull is None else np.asarray(term.skull, dtype=float)
+        )
         self.rest = np.asfortranarray(np.concatenate([body.nodes[:, self.nodes].T, obstacles]) / self.unit)
         self.moving = len(self.nodes)
-        all_edges = np.concatenate([edges, obstacle_edges]) if len(obstacle_edges) else edges
-        self.edges = all_edges.astype(np.int32)
+        self.edges = np.concatenate([edges, obstacle_edges]).astype(np.int32)
         self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(self.edges))
         self.dhat = term.gap * shortest / self.unit
         self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
@@ -74,8 +84,8 @@ class ContactOperator:
         self.n_dofs = 2 * body.nodes.shape[1]
         if self.smallest_gap(self.rest) < self.dhat:
             raise ValueError(
-                f"SelfContact: the undeformed boundary comes closer to itself than dhat = "
-                f"{self.dhat * self.unit:.3g} m; use a smaller gap, or an outline without touching parts."
+                f"SelfContact: the undeformed boundary comes closer to itself or the skull than dhat = "
+                f"{self.dhat * self.unit:.3g} m; use a smaller gap, or outlines that keep their distance."
             )
 
     def positions(self, x: Array) -> Array:
@@ -92,9 +102,7 @@ class ContactOperator:
         return found
 
     def smallest_gap(self, positions: Array) -> float:
-        """Return the smallest distance between parts of the boundary that are not neighbours, up to 4
-        dhat.
-        """
+        """Return the smallest distance between parts that are not neighbours, up to 4 dhat."""
         found = self.collisions(positions, 4 * self.dhat)
         if found.empty():
             return float(4 * self.dhat)
@@ -199,23 +207,31 @@ def _boundary(body: Body) -> tuple[Integers, Integers, float]:
     return nodes, local.reshape(2, -1).T, float(length.min())
 
 
-def _obstacles(body: Body, nodes: Integers) -> tuple[Array, Integers]:
-    """Return far points of the lines that continue base and mirror beyond the pial surface, and their
-    edges.
+def _obstacles(body: Body, nodes: Integers, skull: Array | None) -> tuple[Array, Integers]:
+    """Return the fixed points and edges (m, 2) of the lines beyond the pial surface's ends and of the skull.
+
+    An edge counts its points after the boundary's nodes.
     """
     points: list[Array] = []
     edges: list[tuple[int, int]] = []
-    lines = [name for name in ("base", "mirror") if name in body.mesh.boundaries]
-    if body.base == "free" and "base" in lines:
-        lines.remove("base")
-    pial_ends = [] if body.pial_curve.closed else [body.pial[0], body.pial[-1]]
-    for name in lines:
+    for end, outward in _outward(body):
+        points.append(body.nodes[:, end] + REACH * body.length * outward)
+        edges.append((int(np.searchsorted(nodes, end)), len(nodes) + len(points) - 1))
+    if skull is not None:
+        first = len(nodes) + len(points)
+        points.extend(skull.T)
+        edges.extend((first + k, first + k + 1) for k in range(skull.shape[1] - 1))
+    return np.array(points).reshape(-1, 2), np.array(edges, dtype=np.int64).reshape(-1, 2)
+
+
+def _outward(body: Body) -> Iterator[tuple[int, Array]]:
+    """Yield each end of the pial surface on a straight base or mirror, and the way onward from there."""
+    ends = [] if body.pial_curve.closed else [body.pial[0], body.pial[-1]]
+    for name in ("base", "mirror"):
+        if name not in body.mesh.boundaries or (name == "base" and body.base == "free"):
+            continue
         path = body.boundary_path(name)[0]
         for end, neighbour in ((path[0], path[1]), (path[-1], path[-2])):
-            if end not in pial_ends:
-                continue
-            outward = body.nodes[:, end] - body.nodes[:, neighbour]
-            far = body.nodes[:, end] + REACH * body.length * outward / np.hypot(*outward)
-            points.append(far)
-            edges.append((int(np.searchsorted(nodes, end)), len(nodes) + len(points) - 1))
-    return np.array(points).reshape(-1, 2), np.array(edges, dtype=np.int64).reshape(-1, 2)
+            if end in ends:
+                onward = body.nodes[:, end] - body.nodes[:, neighbour]
+                yield int(end), onward / np.hypot(*onward)
