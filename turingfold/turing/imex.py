@@ -50,7 +50,7 @@ class Multistep:
 
 @dataclass(frozen=True, eq=False)
 class RungeKutta:
-    """Implicit and explicit tableaux, both stiffly accurate, with one diagonal value after the first stage."""
+    """Implicit and explicit tableaux, both stiffly accurate; one diagonal value after the first stage."""
 
     name: str
     order: int
@@ -131,10 +131,13 @@ def march_imex(
     count = math.ceil(positive("until", until) / positive("step", step) * (1 - 1e-12))
     dt = until / count
     _refuse_beyond_limit(scheme, dt, fastest_reaction(system, state))
-    run = _multistep if isinstance(scheme, Multistep) else _runge_kutta
+    if isinstance(scheme, Multistep):
+        states = _multistep(system, state, dt, count, scheme)
+    else:
+        states = _runge_kutta(system, state, dt, count, scheme)
     factorizations = 2 if isinstance(scheme, RungeKutta) or len(scheme.b) == 1 else 4
     with np.errstate(over="ignore", invalid="ignore"):
-        for n, new in enumerate(run(system, state, dt, count, scheme), start=1):  # type: ignore[operator]
+        for n, new in enumerate(states, start=1):
             if not np.isfinite(new).all():
                 raise InadmissibleStateError(
                     f"{scheme.name} with step {dt:.4g} left the finite numbers at time {n * dt:.6g}: the "

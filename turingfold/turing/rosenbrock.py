@@ -110,6 +110,28 @@ class Moment:
     factorizations: int
 
 
+@dataclass(frozen=True)
+class ErrorNorm:
+    """Root mean square of an error over tolerance·|w| + floor, per species and node; 1 is just acceptable.
+
+    floor: by default tolerance times the largest value of each species.
+    """
+
+    tolerance: float
+    floor: float | None = None
+
+    def __call__(self, error: Array, state: Array) -> float:
+        """Return the norm of an error at a state."""
+        size = np.abs(state)
+        least = self.tolerance * size.max(axis=1, keepdims=True) if self.floor is None else self.floor
+        return float(np.sqrt(np.mean((error / (self.tolerance * size + least + 1e-300)) ** 2)))
+
+
+def reaction_time(system: ReactionDiffusion, state: Array) -> float:
+    """Return one over the largest derivative of the rates at a state."""
+    return 1 / max(float(np.abs(slope).max()) for slope in system.kinetics.derivatives(*state))
+
+
 def march(
     system: ReactionDiffusion,
     state: Array,
@@ -126,15 +148,15 @@ def march(
     largest value of each species.  first: first step; default a tenth of the fastest reaction time.
     Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
     """
-    positive("tolerance", tolerance, at_most=0.5)
+    norm = ErrorNorm(positive("tolerance", tolerance, at_most=0.5), floor)
     state = system.check(state)
-    reaction_time = 1 / max(float(np.abs(slope).max()) for slope in system.kinetics.derivatives(*state))
-    step = 0.1 * reaction_time if first is None else positive("first", first)
+    fastest = reaction_time(system, state)
+    step = 0.1 * fastest if first is None else positive("first", first)
     time, steps, factorizations, growth = 0.0, 0, 0, 5.0
     while time < until:
         last = time + step >= until * (1 - 1e-12)
         step = until - time if last else step
-        candidate, error = _step(system, state, step, tableau, tolerance, floor)
+        candidate, error = _step(system, state, step, tableau, norm)
         factorizations += 1
         factor = 0.9 * max(error, 1e-8) ** (-1 / tableau.order) if math.isfinite(error) else 0.1
         if error <= 1.0:
@@ -143,21 +165,16 @@ def march(
             step, growth = step * min(growth, max(0.2, factor)), 5.0
         else:
             step, growth = step * max(0.1, min(0.9, factor)), 1.0
-        if step < 1e-12 * reaction_time:
+        if step < 1e-12 * fastest:
             raise NotConvergedError(
                 f"the step of the reaction-diffusion run fell to {step:.3g} at time {time:.6g}, 1e-12 of the "
-                f"reaction time {reaction_time:.3g}: the kinetics blow up there; change parameters or start.",
+                f"reaction time {fastest:.3g}: the kinetics blow up there; change parameters or start.",
                 time=time,
             )
 
 
 def _step(
-    system: ReactionDiffusion,
-    state: Array,
-    step: float,
-    tableau: Tableau,
-    tolerance: float,
-    floor: float | None,
+    system: ReactionDiffusion, state: Array, step: float, tableau: Tableau, norm: ErrorNorm
 ) -> tuple[Array, float]:
     a, c = tableau.a, tableau.c
     solve = system.solver(state, 1 / (step * tableau.gamma))
@@ -174,8 +191,5 @@ def _step(
             stages.append(solve(right))
         found = np.array(stages)
         candidate = state + np.tensordot(tableau.m, found, 1)
-        size = np.maximum(np.abs(state), np.abs(candidate))
-        least = tolerance * size.max(axis=1, keepdims=True) if floor is None else floor
-        weighted = np.tensordot(tableau.error, found, 1) / (tolerance * size + least + 1e-300)
-        error = float(np.sqrt(np.mean(weighted**2)))
+        error = norm(np.tensordot(tableau.error, found, 1), np.maximum(np.abs(state), np.abs(candidate)))
     return (candidate, error) if math.isfinite(error) else (state, math.inf)
