@@ -191,9 +191,10 @@ def test_the_path_does_not_depend_on_the_steps(body):
 
 
 def folding():
+    """A body that folds until its walls touch."""
     made = semicircle(radius=1.0, thickness=0.2, size=0.1)
     return Scene(
-        body=made, terms=(SOLID, SelfContact()), processes=(TangentialGrowth(cortex=1.9),), until=0.5,
+        body=made, terms=(SOLID, SelfContact()), processes=(TangentialGrowth(cortex=2.6),), until=0.8,
         stepping=Stepping(first=0.1, largest=0.1),
     )
 
@@ -201,7 +202,9 @@ def folding():
 def test_a_march_goes_on_as_if_it_had_not_been_interrupted():
     made = folding()
     whole = run(made)
-    middle = len(whole) // 2
+    middle = len(whole) - 2
+    dhat = SelfContact().on(made.body).dhat
+    assert whole[middle - 1][0].numbers["min_gap"] < dhat  # interrupted while walls are in contact
     rest = list(march(folding(), whole[middle - 1][1]))
     assert len(rest) == len(whole) - middle
     for (one, _), (other, _) in zip(whole[middle:], rest, strict=True):
