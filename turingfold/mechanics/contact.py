@@ -74,6 +74,8 @@ class ContactOperator:
         self.moving = len(self.nodes)
         self.edges = np.concatenate([edges, obstacle_edges]).astype(np.int32)
         self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(self.edges))
+        if term.skull is not None:  # its points may be as dense as they like: they do not meet each other
+            self.mesh.can_collide = ipctk.make_static_obstacle_filter(self.moving)
         self.dhat = term.gap * shortest / self.unit
         self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
         # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units of distance
