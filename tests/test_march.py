@@ -194,7 +194,7 @@ def folding():
     """A body that folds until its walls touch."""
     made = semicircle(radius=1.0, thickness=0.2, size=0.1)
     return Scene(
-        body=made, terms=(SOLID, SelfContact()), processes=(TangentialGrowth(cortex=2.6),), until=0.8,
+        body=made, terms=(SOLID, SelfContact()), processes=(TangentialGrowth(cortex=2.6),), until=0.7,
         stepping=Stepping(first=0.1, largest=0.1),
     )
 
