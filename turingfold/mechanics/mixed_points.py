@@ -1,7 +1,7 @@
-"""What the mixed element computes at its integration points: positions, stresses, tangents and their integrals.
+"""What the mixed element computes at its integration points: places, stresses, tangents, tables of integrals.
 
-Each element has 7 shape functions (six quadratic ones and the cubic bubble 27 ξη(1-ξ-η)), 12 integration points
-(order 6, positive weights) and a linear pressure of its own.
+Each element has 7 shape functions (six quadratic ones and the cubic bubble 27 ξη(1-ξ-η)), 12 integration
+points (order 6, positive weights) and a linear pressure of its own.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Points:
     (7, 2q); of the bubble alone, (2, q).  linear: shape functions of the pressure, (3, q).
     shown: slopes at the body's own points, (7, 2p), and linear_shown: (3, p).
     spread, spread_back: from values at the body's points to values here and back, (q, p) and (p, q).
-    same, mixed: products of slopes, (49, 3q) and (49, 4q), to integrate tangents of equal and of two components.
+    same, mixed: products of slopes, (49, 3q) and (49, 4q), to integrate tangents of one and two components.
     volume: products of pressures' shape functions and slopes, (21, 2q).
     """
 
@@ -48,7 +48,7 @@ class Points:
     @property
     def bubble(self) -> Array:
         """Gradient of the bubble's shape function, (2, q)."""
-        return self.slopes[6].reshape(2, -1)
+        return np.asarray(self.slopes[6].reshape(2, -1))
 
     def spread_out(self, values: Array) -> Array:
         """Return positive values given at the body's points, (..., p, e), at the points here, (..., q, e).
@@ -97,7 +97,7 @@ def _quadrature(body: Body) -> Quadrature:
 
 
 def _corners(quadratic: Array) -> Array:
-    """Return the linear shape functions from the quadratic ones: a corner's, and half those of its edge middles."""
+    """Return the linear shape functions: a corner's quadratic one, and half those of its edge middles."""
     a, b, c, ab, bc, ca = quadratic
     return np.stack([a + 0.5 * (ab + ca), b + 0.5 * (ab + bc), c + 0.5 * (bc + ca)])
 
@@ -110,13 +110,14 @@ def _bubble_slope(linear: Array) -> Array:
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Deformation at the points: H = ∂x/∂ξ and H B, (2, 2, q, e); C = ∂J*/∂H likewise; I₁ and J*, (q, e)."""
+    """Deformation at the points: H = ∂x/∂ξ, H B, C = ∂J*/∂H, (2, 2, q, e); I₁, J* and J*^{-2/3}, (q, e)."""
 
     H: Array
     HB: Array
     C: Array
     I1: Array
     J: Array
+    shrink: Array
 
 
 def kinematics(H: Array, metric: Metric) -> Kinematics | None:
@@ -127,12 +128,12 @@ def kinematics(H: Array, metric: Metric) -> Kinematics | None:
     xx, xy, yy = metric.B
     HB = np.stack([H[:, 0] * xx + H[:, 1] * xy, H[:, 0] * xy + H[:, 1] * yy], axis=1)
     C = np.stack([np.stack([H[1, 1], -H[1, 0]]), np.stack([-H[0, 1], H[0, 0]])]) * metric.delta
-    return Kinematics(H, HB, C, (H * HB).sum((0, 1)) + metric.out2, J)
+    return Kinematics(H, HB, C, (H * HB).sum((0, 1)) + metric.out2, J, np.cbrt(J) ** -2)
 
 
 @dataclass(frozen=True)
 class Law:
-    """Coefficients at the points, (q, e): P = a H B + b C, and c₁, c₂ of the tangent without the bulk modulus."""
+    """Coefficients at the points, (q, e): P = a H B + b C; c₁, c₂ of the tangent, bulk modulus left out."""
 
     a: Array
     b: Array
@@ -142,7 +143,7 @@ class Law:
 
 def law(mu: Array, at: Kinematics, pressure: Array) -> Law:
     """Return the coefficients of the energy μ/2 (I₁ J^{-2/3} - 3) + p (J - 1) with the given p, (q, e)."""
-    a = mu * np.cbrt(at.J) ** -2
+    a = mu * at.shrink
     return Law(a, pressure - a * at.I1 / (3 * at.J), -2 * a / (3 * at.J), 5 * a * at.I1 / (9 * at.J**2))
 
 

@@ -1,8 +1,8 @@
 """How potentials follow a Newton direction, for those that have unknowns of their own inside the elements.
 
-A nearly incompressible solid has a narrow, curved valley of admissible volume: a step along the straight Newton
-direction climbs its wall, and a search on the energy alone would cut every step down. A potential whose evaluations
-have `along` gives its own merit function for the search, and lets its inner unknowns move with the step.
+A nearly incompressible solid has a narrow, curved valley of admissible volume: a step along the straight
+Newton direction climbs its wall, and a search on the energy alone would cut every step down. A potential
+whose evaluations have `along` gives its own merit for the search, and its inner unknowns move with the step.
 """
 
 from __future__ import annotations
@@ -49,6 +49,7 @@ class Straight:
     """The ray of a potential without inner unknowns: its energy is the merit."""
 
     def __init__(self, potential: Potential, at: Evaluation, x: Array, direction: Array) -> None:
+        """Compute slope and step bound."""
         self._potential, self._x, self._direction = potential, x, direction
         self.start = at.energy
         self.slope = float(at.gradient()[0] @ direction)

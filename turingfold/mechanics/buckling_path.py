@@ -1,0 +1,165 @@
+"""The base path of a scene: its smooth solution, stable or not, and the stiffness that is left on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+from ..scene import Evaluation, NotConvergedError, Potential, Scene, State
+from .inertia import Indefinite, symmetric
+from .linear import Gatherer, Pattern
+from .march import begin
+from .rays import evaluations, rays
+
+Array = NDArray[np.float64]
+
+STRAY = 1.0  # a correction larger than this share of the step itself has left the base path
+ITERATIONS = 15  # of Newton's method on the base path; it needs four or five
+
+
+@dataclass(frozen=True)
+class BaseState:
+    """A state on the base path, stable or not: `tangent` on `pattern`, and its number of negative pivots."""
+
+    state: State
+    x: Array
+    pattern: Pattern
+    tangent: Array
+    negative: int
+
+
+class BasePath:
+    """The smooth solution of a scene, followed by plain Newton steps."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Factorise the tangent at the scene's start."""
+        self.scene = scene
+        self.operators = [term.on(scene.body) for term in scene.terms]
+        held = scene.body.supported if any(o.grounds for o in self.operators) else scene.body.fixed
+        self.gatherer = Gatherer(2 * scene.body.nodes.shape[1], held)
+        self.first = begin(scene).state
+        self._kept: tuple[Pattern, Indefinite] | None = None
+        at_start = self._potentials(self.first, scene.stepping.first * scene.until)
+        at = evaluations(at_start, self.position(self.first))
+        if at is None:
+            raise NotConvergedError("the scene's start is not admissible", time=0.0)
+        self.rest = [e.hessian(0.0) for e in at if e.curved]
+        pattern, tangent = self.gatherer.gather(self.rest)
+        if self.solver(pattern).factorize(tangent).negative:
+            raise NotConvergedError("the scene is unstable at its start, before anything has grown", time=0.0)
+
+    @staticmethod
+    def position(state: State) -> Array:
+        """Return the displacement node by node, (2 n_nodes,)."""
+        return state["displacement"].T.ravel()
+
+    def _potentials(self, state: State, dt: float) -> list[Potential]:
+        return [p for p in (operator.during(state, dt) for operator in self.operators) if p is not None]
+
+    def solver(self, pattern: Pattern) -> Indefinite:
+        """Return the factoriser of a pattern, kept until another pattern comes."""
+        if self._kept is None or self._kept[0] is not pattern:
+            self._kept = pattern, Indefinite(pattern)
+        return self._kept[1]
+
+    def processed(self, start: State, dt: float) -> State:
+        """Return `start` with the fields that the processes have dt later."""
+        fields: dict[str, Array] = {}
+        for process in self.scene.processes:
+            fields |= process.advance(self.scene.body, State(start.time, {**start.fields, **fields}), dt)
+        return start.updated(start.time + dt, **fields)
+
+    def step(self, start: State, dt: float, ahead: Array | None) -> BaseState:
+        """Return the equilibrium dt after `start`; ahead: the expected change of displacement (2 n_nodes,).
+
+        Raises NotConvergedError where Newton fails, or ends too far from the expected place.
+        """
+        state, old = self.processed(start, dt), self.position(start)
+        potentials = self._potentials(state, dt)
+        guess = old if ahead is None else old + ahead
+        if evaluations(potentials, guess) is None:
+            guess = old
+        x, tangent, pattern, negative = self._newton(potentials, guess)
+        if ahead is not None and np.linalg.norm(x - old - ahead) > STRAY * np.linalg.norm(ahead):
+            raise NotConvergedError("Newton leaves the base path", time=state.time)
+        for potential in potentials:
+            state = state.updated(**potential.finish(x))
+        state = state.updated(displacement=x.reshape(-1, 2).T.copy())
+        return BaseState(state, x, pattern, tangent, negative)
+
+    def _newton(self, potentials: Sequence[Potential], x: Array) -> tuple[Array, Array, Pattern, int]:
+        at = evaluations(potentials, x)
+        if at is None:
+            raise NotConvergedError("the start of the step is not admissible")
+        for iteration in range(ITERATIONS):
+            parts = [e.gradient() for e in at]
+            slope = np.sum([g for g, _ in parts], axis=0)[self.gatherer.free]
+            residual = float(np.linalg.norm(slope) / np.sqrt(sum(s for _, s in parts) or 1.0))
+            pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
+            factors = self.solver(pattern).factorize(tangent)
+            if residual <= self.scene.stepping.tolerance and iteration > 0:
+                return x, tangent, pattern, factors.negative
+            move = -factors.solve(slope)
+            move -= factors.solve(pattern.times(tangent, move) + slope)
+            direction = np.zeros(len(x))
+            direction[self.gatherer.free] = move
+            x, at = _moved(potentials, at, x, direction, float(slope @ move))
+        raise NotConvergedError("Newton does not find the base path", residual=residual)
+
+    def between(self, nodes: Sequence[BaseState], time: float) -> BaseState:
+        """Return the state at `time` with the displacement, and what the terms remember, interpolated."""
+        start = nodes[-2].state
+        state = self.processed(start, time - start.time)
+        made = {name for process in self.scene.processes for name in process.writes}
+        times = np.array([node.state.time for node in nodes])
+        for name in start.fields:
+            if name not in made and all(name in node.state for node in nodes):
+                values = np.stack([node.state[name] for node in nodes])
+                state = state.updated(**{name: BarycentricInterpolator(times, values)(time)})
+        x = self.position(state)
+        at = evaluations(self._potentials(state, nodes[-1].state.time - start.time), x)
+        if at is None:
+            raise NotConvergedError("the path turns too fast; make Stepping(largest=...) smaller", time=time)
+        pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
+        return BaseState(state, x, pattern, tangent, self.solver(pattern).factorize(tangent).negative)
+
+    def lowest(self, base: BaseState) -> tuple[float, Array]:
+        """Return the lowest eigenvalue of (K, K₀), and its vector over the free unknowns."""
+        pattern, rest = self.gatherer.gather(self.rest)
+        solver, shift, below = self.solver(pattern), 0.0, 0.01
+        factors = solver.factorize(base.tangent)
+        while factors.negative:  # below the whole spectrum the nearest eigenvalue is the lowest one
+            shift, below = shift - below, 2 * below
+            factors = solver.factorize(base.tangent - shift * rest)
+        inverse = LinearOperator((pattern.n, pattern.n), matvec=factors.solve, dtype=float)
+        start = np.random.default_rng(self.scene.seed).standard_normal(pattern.n)
+        try:
+            values, vectors = eigsh(
+                symmetric(pattern, base.tangent), k=1, M=symmetric(pattern, rest), sigma=shift, OPinv=inverse,
+                v0=start, tol=1e-8,
+            )
+        except ArpackError as error:
+            raise NotConvergedError(
+                f"the lowest eigenpair at t = {base.state.time:.4g} is not found", time=base.state.time
+            ) from error
+        return float(values[0]), vectors[:, 0]
+
+
+def _moved(
+    potentials: Sequence[Potential], at: list[Evaluation], x: Array, direction: Array, decrease: float
+) -> tuple[Array, list[Evaluation]]:
+    """Return the configuration a full Newton step ahead, or the admissible part of one."""
+    along = rays(potentials, at, x, direction, decrease)
+    step = min(ray.longest for ray in along)
+    while step > 1e-3:
+        there = [ray.at(step) for ray in along]
+        found = [pair[1] for pair in there if pair is not None]
+        if len(found) == len(there):
+            return x + step * direction, found
+        step *= 0.5
+    raise NotConvergedError("the Newton direction leaves the admissible states at once")
