@@ -117,7 +117,7 @@ def test_an_indefinite_start_goes_down_to_a_minimum(start):
 def test_a_saddle_is_reported_as_unstable():
     found = minimiser().minimise([two_wells()], np.array([0.0, 0.5]))
     np.testing.assert_allclose(found.x, 0.0, atol=1e-9)
-    assert not found.stable
+    assert found.negative_pivots == 1
 
 
 def test_the_energy_never_rises_along_a_curved_valley():

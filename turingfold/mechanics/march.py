@@ -177,7 +177,7 @@ def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:
         "step": dt,
         "energy": found.energy,
         "residual": found.residual,
-        "stable": float(found.stable),
+        "negative_pivots": found.negative_pivots,
     }
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..scene import Evaluation, NotConvergedError, Potential
 from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
+from .inertia import negative_pivots
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 ARMIJO = 1e-4
@@ -34,12 +35,20 @@ class Effort:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and whether it is a minimum."""
+    """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and how the tangent's pivots look.
+
+    negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum.
+    """
 
     x: Array
     energy: float
     residual: float
-    stable: bool
+    negative_pivots: int
+
+    @property
+    def stable(self) -> bool:
+        """Whether it is a minimum."""
+        return self.negative_pivots == 0
 
 
 @dataclass(frozen=True)
@@ -95,7 +104,7 @@ class Minimiser:
         """Factorise the tangent at an equilibrium found earlier, as its own minimisation did."""
         at = _evaluate(potentials, x)
         if at is not None:
-            self._is_stable(at)
+            self._certified(at)
 
     def minimise(self, potentials: Sequence[Potential], x: Array) -> Equilibrium:
         """Return the equilibrium reached from x.
@@ -112,7 +121,7 @@ class Minimiser:
             if not np.isfinite(residual):
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance:
-                return Equilibrium(x, sum(e.energy for e in at), residual, self._is_stable(at))
+                return Equilibrium(x, sum(e.energy for e in at), residual, self._certified(at))
             if iteration == self.iterations:
                 break
             direction = self._continued(slope) if iteration == 0 else None
@@ -151,9 +160,12 @@ class Minimiser:
         self.effort.add("factorisations", begin)
         return direction
 
-    def _is_stable(self, at: list[Evaluation]) -> bool:
+    def _certified(self, at: list[Evaluation]) -> int:
+        """Keep the tangent if it is positive definite; return the number of its negative pivots."""
         self._certificate = self._factorized(at, 0.0)
-        return self._certificate is not None
+        if self._certificate is not None:
+            return 0
+        return negative_pivots(*self.gatherer.gather([e.hessian(0.0) for e in at if e.curved]))
 
     def _factorized(self, at: list[Evaluation], convexity: float) -> System | None:
         """Return the factorised tangent, or None if it is not positive definite."""

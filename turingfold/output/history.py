@@ -13,7 +13,7 @@ Row = dict[str, float]
 
 COLUMNS = (
     "time", "growth", "energy", "newton_iterations", "factorizations", "min_jacobian", "min_gap",
-    "gyrification_index", "stable", "step", "residual", "seconds",
+    "gyrification_index", "negative_pivots", "step", "residual", "seconds",
 )  # fmt: skip
 
 
