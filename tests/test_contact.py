@@ -14,7 +14,7 @@ from turingfold.mechanics.contact import SelfContact
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
-from turingfold.scene import Scene, State
+from turingfold.scene import Scene, State, Stepping
 
 SLOT = 0.3
 
@@ -182,6 +182,29 @@ def test_the_scene_gives_the_scale_of_stress():
     operator, x = SelfContact().on(body), closed(body, 0.5 * dhat)
     found = operator.during(state, 0.1).evaluate(x).energy
     assert found == operator.during(state_of(body, 650.0), 0.1).evaluate(x).energy > 0
+
+
+def folded(gap):
+    """Return the length of the folded surface; check on the way that no accepted step crosses a wall."""
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    contact = SelfContact(gap=gap)
+    operator = contact.on(body)
+    scene = Scene(
+        body=body, terms=(Elastic(gray=NeoHookean(1.0, 5.0)), contact), until=0.7,
+        processes=(TangentialGrowth(cortex=2.6),), stepping=Stepping(first=0.05, largest=0.05),
+    )
+    for step, _ in march(scene, begin(scene)):
+        assert not ipctk.has_intersections(operator.mesh, operator.positions(step.x))
+    assert step.numbers["min_gap"] < operator.dhat * operator.unit
+    at = (body.nodes + step.state["displacement"])[:, body.pial]
+    return float(np.hypot(*np.diff(at)).sum())
+
+
+@pytest.mark.slow
+def test_the_folded_surface_hardly_depends_on_the_barrier():
+    wide, narrow = folded(0.4), folded(0.2)
+    assert wide > 1.2 * np.pi  # it has folded
+    assert abs(wide / narrow - 1) < 0.01
 
 
 def test_a_body_that_touches_itself_at_rest_is_refused():
