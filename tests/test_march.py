@@ -3,7 +3,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from checks import check_process, message_names
+from checks import check_process, check_term, message_names
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from skfem import MeshTri1
@@ -13,6 +13,7 @@ from turingfold.geometry import semicircle
 from turingfold.growth import TangentialGrowth
 from turingfold.histories import Exponential
 from turingfold.mechanics.contact import SelfContact
+from turingfold.mechanics.dynamics import Drag, Inertia
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
@@ -300,3 +301,28 @@ def test_progress_is_a_value(body):
     again = replace(start, dt=0.25)
     assert next(march(made, again))[0].numbers["step"] == 0.25
     assert start.state.time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("term", "other"),
+    [
+        (Inertia(density=1.3), Inertia(density=2.0)),
+        (Inertia(density=1.3, scheme="midpoint"), Inertia(density=1.3)),
+        (Drag(coefficient=0.7), Drag(coefficient=0.9)),
+    ],
+    ids=["euler", "midpoint", "drag"],
+)
+def test_inertia_and_drag_pass_the_examination(body, term, other):
+    rng = np.random.default_rng(0)
+    shape = body.nodes.shape
+    state = State(0.3, {"displacement": rng.standard_normal(shape), "velocity": rng.standard_normal(shape)})
+    samples = [rng.standard_normal(2 * shape[1]) for _ in range(2)]
+    # both are measured from the last step: neither balanced nor blind to motion
+    check_term(term, body, state, samples, step=0.1, balanced=False, objective=False, other=other)
+    mass = term.density if isinstance(term, Inertia) else term.coefficient
+    still = State(0.3, {"displacement": np.zeros(shape)})
+    moved = np.tile([0.3, -0.2], shape[1])
+    # a translation by d in a step of 0.1 on an area of 2: ½ m |d|² over dt² or dt; midpoint: 2 m |d|²/dt²
+    energy = term.on(body).during(still, 0.1).evaluate(moved).energy
+    divisor = {"Drag": 0.1, "euler": 0.01, "midpoint": 0.0025}[getattr(term, "scheme", "Drag")]
+    assert energy == pytest.approx(0.5 * mass * 2.0 * 0.13 / divisor, rel=1e-12)
