@@ -76,13 +76,15 @@ def newton(
     )
 
 
-def leading_eigenvalue(system: ReactionDiffusion, state: Array, *, count: int = 4) -> complex:
+def leading_eigenvalue(
+    system: ReactionDiffusion, state: Array, *, count: int = 4, near: float | None = None
+) -> complex:
     """Return the eigenvalue with the largest real part among the `count` nearest to a point right of zero.
 
     Eigenvalues λ of J(w) z = λ M z; the point is 0.03 times the size of the reaction's own rates.
     """
     slopes = system.kinetics.derivatives(*state)
-    point = 0.03 * float(max(np.abs(slopes[0]).max(), np.abs(slopes[3]).max()))
+    point = 0.03 * float(max(np.abs(slopes[0]).max(), np.abs(slopes[3]).max())) if near is None else near
     solve = system.solver(state, point)
     n = 2 * system.space.size
 
