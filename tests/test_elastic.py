@@ -176,6 +176,20 @@ def test_partial_convexity_takes_away_that_share():
     np.testing.assert_allclose(some, none + 0.3 * (full - none), atol=1e-12 * np.abs(none).max())
 
 
+def test_a_stiffness_field_multiplies_the_moduli(body):
+    state = grown(body, 1.0, cortex=1.4)
+    factor = np.linspace(0.5, 2.0, body.quadrature.weights.size).reshape(body.quadrature.weights.shape)
+    operator = TWO_LAYERS.on(body)
+    stiff = operator.during(state.updated(stiffness=factor), 0.1)
+    x = admissible(body, stiff, 0.4, (0,))[0]
+    check_derivatives(stiff, x, 2e-5, directions=1)
+    twice = operator.during(state.updated(stiffness=np.full_like(factor, 2.0)), 0.1).evaluate(x)
+    once = operator.during(state, 0.1).evaluate(x)
+    assert twice.energy == pytest.approx(2 * once.energy, rel=1e-13)
+    np.testing.assert_allclose(twice.gradient()[0], 2 * once.gradient()[0], atol=1e-12 * GRAY.mu)
+    assert stiff.evaluate(x).energy != once.energy
+
+
 def test_sigmoid_layers_blend_the_moduli():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)
     mu, kappa = Elastic(gray=NeoHookean(1.0, 5.0), white=NeoHookean(3.0, 7.0), layers="sigmoid").moduli(body)
