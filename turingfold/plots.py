@@ -5,29 +5,40 @@ The colours can be told apart by the colour-blind: viridis for quantities, Okabe
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .body import Body
 from .checks import one_of
+from .drawing import (
+    INK,
+    MM,
+    at_nodes,
+    colour_limits,
+    copies,
+    core,
+    edge,
+    frame,
+    inside,
+    per_length,
+    round_length,
+    shaded,
+    shown,
+)
 from .results import Result, along_pial, growth
 from .scene import Scene, State, Term
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
-MM = 1e3
-CORE, INK, BLUE, VERMILION = "#e8e6e1", "#333333", "#0072b2", "#d55e00"
-# of a quadratic triangle: four straight ones
-PARTS = np.array([(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)])
-BARYCENTRIC = np.array([(1, 0, 0, 0.5, 0, 0.5), (0, 1, 0, 0.5, 0.5, 0), (0, 0, 1, 0, 0.5, 0.5)])
+VERMILION = "#d55e00"
 FIELDS = {
     "von_mises": ("von Mises stress (kPa)", 1e-3),
     "pressure": ("pressure (kPa)", 1e-3),
@@ -38,57 +49,71 @@ FIELDS = {
 def section(
     axes: Axes, result: Result, step: int = -1, *, field: str = "von_mises", bar: bool = True,
     limits: tuple[float, float] | None = None,
-) -> Any:  # fmt: skip
+) -> ScalarMappable:  # fmt: skip
     """Draw the deformed body coloured by a field, with colour bar and scale bar; return what has the colours.
 
     field: "von_mises", "pressure" or "jacobian".  limits: of the colours, by default up to the value that is
     exceeded in 1 % of the area, so that a few points do not hide the rest.
     """
+    from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     one_of("field", field, tuple(FIELDS))
     body, state = result.scene.body, result.states[step]
     label, unit = FIELDS[field]
     values = unit * result.observe(step)[field]
-    low, high = limits or _limits(values, body.quadrature.weights, centred=field != "von_mises")
-    norm = Normalize(low, high)
-    shades = "viridis" if field == "von_mises" else "cividis"
-    mapped = None
-    for points in _copies(body, body.nodes + state["displacement"]):
+    low, high = limits or colour_limits(values, body.quadrature.weights, centred=field != "von_mises")
+    colors = ScalarMappable(Normalize(low, high), "viridis" if field == "von_mises" else "cividis")
+    for points in copies(body, body.nodes + state["displacement"]):
         for layer in (body.in_cortex, ~body.in_cortex):
             if layer.any():
-                mapped = _shaded(axes, points, body, layer, _at_nodes(body, values, layer), norm, shades)
+                shaded(axes, points, body, layer, at_nodes(body, values, layer), colors)
         axes.plot(*(MM * points[:, body.interface]), color="white", linewidth=0.6, alpha=0.8)
-        _edge(axes, points, body)
-    _frame(axes)
+        edge(axes, points, body)
+    frame(axes)
     scale_bar(axes, body)
-    if bar and mapped is not None:
+    if bar:
         beyond = "max" if field == "von_mises" else "both"
-        axes.figure.colorbar(mapped, ax=axes, label=label, shrink=0.7, pad=0.02, extend=beyond)
-    return mapped
+        axes.figure.colorbar(colors, ax=axes, label=label, shrink=0.7, pad=0.02, extend=beyond)
+    return colors
 
 
 def outline(axes: Axes, body: Body, *, color: str = INK, label: str = "before folding") -> None:
-    """Draw the undeformed outline, dashed."""
+    """Draw the undeformed outline, dashed; it shows on light and on dark."""
+    from matplotlib.patheffects import withStroke
+
     points = MM * along_pial(body, body.nodes[:, body.pial])
-    axes.plot(*points, color=color, linewidth=1.1, linestyle=(0, (4, 3)), label=label)
+    halo = [withStroke(linewidth=2.4, foreground="white", alpha=0.6)]
+    axes.plot(*points, color=color, linewidth=1.1, linestyle=(0, (4, 3)), label=label, path_effects=halo)
 
 
 def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:
     """Draw the activator, from 0 to 1, on the band of the undeformed body."""
+    from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     body = result.scene.body
+    colors = ScalarMappable(Normalize(0, 1), "viridis")
     pattern = np.zeros(body.nodes.shape[1])
     pattern[body.cortex.nodes] = result.last["pattern"]
-    mapped = None
-    for points in _copies(body, body.nodes):
-        _core(axes, points, body)
-        mapped = _shaded(axes, points, body, body.in_cortex, pattern, Normalize(0, 1), "viridis")
-        _edge(axes, points, body)
-    _frame(axes)
-    if bar and mapped is not None:
-        _bar_inside(axes, mapped, "activator û", [0, 0.5, 1])
+    for points in copies(body, body.nodes):
+        core(axes, points, body)
+        shaded(axes, points, body, body.in_cortex, pattern, colors)
+        edge(axes, points, body)
+    frame(axes)
+    if bar:
+        _bar_inside(axes, colors, "activator û", [0, 0.5, 1])
+
+
+def peaks(axes: Axes, result: Result, step: int = -1) -> None:
+    """Mark the peaks of the activator, if there is one, as dots on the deformed pial surface."""
+    pattern = result.pattern(step)
+    if pattern is None:
+        return
+    around = np.concatenate([[-np.inf], pattern, [-np.inf]])
+    top = np.flatnonzero((pattern >= around[:-2]) & (pattern > around[2:]) & (pattern > 0.5))
+    x, y = MM * result.pial(step)[:, top]
+    axes.plot(x, y, "o", color=VERMILION, markeredgecolor="white", markersize=5, label="activator peaks")
 
 
 def load_arrows(
@@ -106,24 +131,24 @@ def load_arrows(
         raise ValueError(f"{type(term).__name__} has no load to draw at the end of the scene.")
     forces = -at.gradient()[0].reshape(-1, 2).T
     path = max(body.interface, body.pial, key=lambda nodes: float(np.abs(forces[:, nodes]).sum()))
-    start, load = _per_length(body.nodes[:, path], forces[:, path], count)
+    start, load = per_length(body.nodes[:, path], forces[:, path], count)
     width, top = np.ptp(body.nodes[0]) * (2 if body.mirror else 1), body.nodes[1].max()
     length = 1.6 * np.hypot(*np.diff(start)).mean() / np.hypot(*load).max()
-    for points, origin, arrow in zip(*(_copies(body, v) for v in (body.nodes, start, load)), strict=True):
-        _core(axes, points, body)
-        _edge(axes, points, body)
+    for points, origin, arrow in zip(*(copies(body, v) for v in (body.nodes, start, load)), strict=True):
+        core(axes, points, body)
+        edge(axes, points, body)
         axes.plot(*(MM * points[:, body.interface]), color="#999999", linewidth=0.8)
         axes.quiver(
             *(MM * origin), *(MM * length * arrow), angles="xy", scale_units="xy", scale=1, pivot="mid",
             color=VERMILION, width=0.006, headwidth=4, headlength=4, headaxislength=3.5, zorder=3,
         )  # fmt: skip
-    _frame(axes)
-    middle, low = _inside(body)
+    frame(axes)
+    middle, low = inside(body)
     if share < 1:
         axes.set_xlim(middle - MM * share * width / 2, middle + MM * share * width / 2)
         axes.set_ylim(MM * (top - 0.47 * share * width), MM * (top + 0.03 * share * width))
         low = MM * (top - 0.3 * share * width)
-    largest = f"largest {_shown(np.hypot(*load).max())} N/m²"
+    largest = f"largest {shown(np.hypot(*load).max())} N/m²"
     axes.text(middle, low, largest, color=VERMILION, ha="center", va="center")
 
 
@@ -139,16 +164,34 @@ def pial_history(axes: Axes, result: Result, *, count: int = 8, bar: bool = True
     colors = ScalarMappable(Normalize(min(factors), max(*factors, min(factors) + 1e-9)), "viridis_r")
     for k, factor in zip(chosen, factors, strict=True):
         axes.plot(*(MM * result.pial(k)), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
-    _frame(axes)
+    frame(axes)
     if bar:
         _bar_inside(axes, colors, "tangential growth", [min(factors), max(factors)])
+
+
+def panels(
+    figure: Figure, rows: int, columns: int, results: Mapping[str, Result]
+) -> Iterator[tuple[Axes, str, Result]]:
+    """Draw the deformed bodies of several results in a grid, with the same colours, and yield each panel.
+
+    The panel still lacks its title. One colour bar, of the von Mises stress, serves all.
+    """
+    grid = figure.subplots(rows, columns, squeeze=False)
+    stresses = [(1e-3 * r.observe()["von_mises"], r.scene.body.quadrature.weights) for r in results.values()]
+    limits = 0.0, max(colour_limits(*stress, centred=False)[1] for stress in stresses)
+    for axes, (name, result) in zip(grid.ravel(), results.items(), strict=True):
+        colors = section(axes, result, bar=False, limits=limits)
+        outline(axes, result.scene.body)
+        peaks(axes, result)
+        yield axes, name, result
+    figure.colorbar(colors, ax=grid, label=FIELDS["von_mises"][0], shrink=0.4, aspect=30, extend="max")
 
 
 def scale_bar(axes: Axes, body: Body) -> None:
     """Draw a scale bar of a round length, about a fifth of the body, below it."""
     x, y = MM * body.nodes
     right, width = x.max(), np.ptp(x) * (2 if body.mirror else 1)
-    length, level = _round(0.2 * width), y.min() - 0.05 * width
+    length, level = round_length(0.2 * width), y.min() - 0.05 * width
     axes.plot([right - length, right], [level, level], color=INK, linewidth=2.5, solid_capstyle="butt")
     axes.text(right - length / 2, level - 0.012 * width, f"{length:g} mm", ha="center", va="top", color=INK)
 
@@ -180,99 +223,6 @@ def measures(result: Result) -> str:
     return ", ".join(words)
 
 
-def _inside(body: Body) -> tuple[float, float]:
-    """Return a point in the middle of the body, where there is room for text; mm."""
-    x, y = body.nodes
-    middle = 0.0 if body.mirror else 0.5 * (x.min() + x.max())
-    return MM * middle, MM * (y.min() + 0.4 * np.ptp(y))
-
-
-def _bar_inside(axes: Axes, mapped: Any, label: str, ticks: list[float]) -> None:
-    bar = axes.inset_axes((0.32, 0.32, 0.36, 0.06))
-    axes.figure.colorbar(mapped, cax=bar, orientation="horizontal", ticks=ticks, label=label, format="%.3g")
-
-
-def _copies(body: Body, points: Array) -> Iterator[Array]:
-    """Yield points or vectors (2, n), and for a half body their mirror image about x = 0."""
-    yield points
-    if body.mirror:
-        yield points * np.array([[-1.0], [1.0]])
-
-
-def _shaded(axes: Axes, points: Array, body: Body, layer: Any, values: Array, norm: Any, shades: str) -> Any:
-    from matplotlib.tri import Triangulation
-
-    nodes, local = np.unique(body.triangles[:, layer], return_inverse=True)
-    corners = local.reshape(6, -1)[PARTS].transpose(0, 2, 1).reshape(-1, 3)
-    x, y = MM * points[:, nodes]
-    triangles = Triangulation(x, y, corners)
-    return axes.tripcolor(triangles, values[nodes], shading="gouraud", norm=norm, cmap=shades)
-
-
-def _at_nodes(body: Body, values: Array, layer: Any) -> Array:
-    """Return values (q, e) at the nodes (n,) of a layer: linear in each triangle, averaged at nodes."""
-    at_points = BARYCENTRIC @ body.quadrature.shapes
-    extrapolated = BARYCENTRIC.T @ np.linalg.lstsq(at_points.T, values[:, layer], rcond=None)[0]
-    nodes, n = body.triangles[:, layer].ravel(), body.nodes.shape[1]
-    count = np.bincount(nodes, minlength=n)
-    return np.asarray(np.bincount(nodes, extrapolated.ravel(), minlength=n) / np.maximum(count, 1))
-
-
-def _limits(values: Array, weights: Array, *, centred: bool) -> tuple[float, float]:
-    order = np.argsort(values, axis=None)
-    share = np.cumsum(weights.ravel()[order]) / weights.sum()
-    low, high = (float(np.interp(s, share, values.ravel()[order])) for s in (0.01, 0.99))
-    low = low if centred else 0.0
-    return (low, high) if high > low else (low, low + max(1e-12, abs(low)))
-
-
-def _per_length(points: Array, forces: Array, count: int) -> tuple[Array, Array]:
-    """Return middles (2, m) of about `count` stretches of a path and the force per length on each, (2, m).
-
-    Half the force on a corner belongs to either edge; that on the two ends of the path to none.
-    """
-    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points)))])[::2]
-    corners = forces[:, ::2].copy()
-    corners[:, [0, -1]] = 0.0
-    on_edges = forces[:, 1::2] + 0.5 * (corners[:, :-1] + corners[:, 1:])
-    cut = np.arange(0, on_edges.shape[1], max(1, round(on_edges.shape[1] / count)))
-    lengths = np.add.reduceat(np.diff(arc), cut)
-    middles = arc[cut] + lengths / 2
-    at = np.stack([np.interp(middles, arc, coordinate[::2]) for coordinate in points])
-    return at, np.add.reduceat(on_edges, cut, axis=1) / lengths
-
-
-def _shown(number: float) -> str:
-    """Return a number with two digits that count, without an exponent."""
-    return f"{float(f'{number:.2g}'):g}"
-
-
-def _core(axes: Axes, points: Array, body: Body) -> None:
-    path = np.concatenate([body.pial, _closing(body)])
-    axes.fill(*(MM * points[:, path]), color=CORE, linewidth=0)
-
-
-def _edge(axes: Axes, points: Array, body: Body) -> None:
-    axes.plot(*(MM * points[:, body.pial]), color=INK, linewidth=0.8)
-    closing = _closing(body)
-    if closing.size and not body.mirror:
-        axes.plot(*(MM * points[:, closing]), color=INK, linewidth=0.8)
-
-
-def _closing(body: Body) -> Integers:
-    """Return the nodes of the base, from the end of the pial surface back to its start."""
-    if body.pial_curve.closed or "base" not in (body.mesh.boundaries or {}):
-        return np.zeros(0, dtype=np.int64)
-    base = body.boundary_path("base")[0]
-    return base if base[0] == body.pial[-1] else base[::-1] if base[-1] == body.pial[-1] else base
-
-
-def _frame(axes: Axes) -> None:
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-
-
-def _round(length: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten up to `length`."""
-    power = 10.0 ** np.floor(np.log10(length))
-    return float(max(m for m in (1, 2, 5) if m * power <= length * (1 + 1e-9)) * power)
+def _bar_inside(axes: Axes, colors: ScalarMappable, label: str, ticks: list[float]) -> None:
+    bar = axes.inset_axes((0.32, 0.4, 0.36, 0.06))
+    axes.figure.colorbar(colors, cax=bar, orientation="horizontal", ticks=ticks, label=label, format="%.3g")
