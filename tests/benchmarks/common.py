@@ -1,0 +1,59 @@
+"""What the benchmarks share: the growth path of document 1's semi-circle, and the unit of cost."""
+
+from pathlib import Path
+from statistics import median
+from time import process_time
+
+import numpy as np
+
+from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
+from turingfold.body import Body
+from turingfold.mechanics.linear import Gatherer, NotPositiveDefinite, solver_for
+from turingfold.results import Result
+
+CASES = Path(__file__).parents[2] / "cases"
+RADIUS, THICKNESS = 0.0404, 2.5e-3
+GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
+GROWTH, STEPS, TOLERANCE = 1.45, 15, 1e-8
+
+
+def growth_path(body: Body) -> Scene:
+    """Return the growth of a sharp cortex from 1 to 1.45 in 15 equal steps, without contact."""
+    return Scene(
+        body=body,
+        terms=(Elastic(gray=GRAY, white=WHITE),),
+        processes=(TangentialGrowth(cortex=GROWTH, layers="sharp"),),
+        stepping=Stepping(first=1 / STEPS, largest=1 / STEPS, tolerance=TOLERANCE),
+    )
+
+
+def brain(elements: int) -> Body:
+    """Return the semi-circle with a clamped base and so many elements through its cortex."""
+    return semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / elements)
+
+
+def solve_seconds(result: Result, repeats: int = 20) -> list[float]:
+    """Return the times of factorising the last state's tangent and solving with it, without its ordering."""
+    scene, state = result.scene, result.last
+    potentials = [term.on(scene.body).during(state, scene.until) for term in scene.terms]
+    x = state["displacement"].T.ravel()
+    evaluations = [potential.evaluate(x) for potential in potentials if potential is not None]
+    gatherer = Gatherer(len(x), scene.body.fixed)
+    hessians = [evaluation.hessian(0.0) for evaluation in evaluations if evaluation.curved]
+    pattern, values = gatherer.gather(hessians)
+    solver, load = solver_for(pattern), np.ones(pattern.n)
+    times = []
+    for _ in range(repeats):
+        began = process_time()
+        try:
+            solver.factorize(values)
+        except NotPositiveDefinite:
+            raise SystemExit("the last state is no minimum; its matrix is no measure of cost") from None
+        solver.solve(load)
+        times.append(process_time() - began)
+    return times
+
+
+def spread(values: list[float]) -> str:
+    """Return the median of some numbers, and their range."""
+    return f"{median(values):.3g} ({min(values):.3g} to {max(values):.3g})"

@@ -1,0 +1,57 @@
+"""Time and memory as the growth path's mesh is refined. Targets: 5 times the time for 4 times the unknowns, 1 GB.
+
+    python tests/benchmarks/scaling.py [--repeats 3]
+
+Times alternate between the two meshes in one process; peak memory is that of a process of its own, imports
+included, that takes the whole path.
+"""
+
+import argparse
+import resource
+import subprocess
+import sys
+from math import log
+from statistics import median
+from time import process_time
+
+from common import brain, growth_path, spread
+
+from turingfold import simulate
+
+COARSE, FINE, LARGE = 5, 11, 20  # elements through the cortex: 16 000, 65 000 and 184 000 unknowns
+
+
+def run(elements: int) -> tuple[int, float]:
+    """Return the number of unknowns and the time of one path."""
+    scene = growth_path(brain(elements))
+    began = process_time()
+    result = simulate(scene)
+    return result.summary()["dofs"], process_time() - began
+
+
+def peak_memory() -> float:
+    """Return the peak memory of this process so far; MB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (2**20 if sys.platform == "darwin" else 2**10)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=3, help="runs to take the median of")
+    parser.add_argument("--memory", action="store_true", help="run the large mesh only and print its peak memory")
+    chosen = parser.parse_args()
+    if chosen.memory:
+        print(f"{run(LARGE)[0]} unknowns: peak memory {peak_memory():.0f} MB, target 1000 MB")
+        return
+    run(2)  # imports
+    pairs = [(run(COARSE), run(FINE)) for _ in range(chosen.repeats)]
+    (few, _), (many, _) = pairs[0]
+    ratios = [fine / coarse for (_, coarse), (_, fine) in pairs]
+    power = log(median(ratios)) / log(many / few)
+    print(f"{few} -> {many} unknowns: {spread(ratios)} times the time; at 4 times the unknowns {4**power:.3g} times, "
+          "target 5")  # fmt: skip
+    subprocess.run([sys.executable, __file__, "--memory"], check=True)
+
+
+if __name__ == "__main__":
+    main()
