@@ -18,21 +18,19 @@ RADIUS, TENSION = 0.0404, 0.5
 
 
 def scene(
-    *, poisson=0.4583, ratio=1.364, share=0.0619, growth=1.9, aspect=1.0, layers=2, tension=TENSION, seconds=60.0,
-    unit=1.0, contact=True,
+    *, poisson=0.4583, ratio=1.364, share=0.0619, growth=1.9, aspect=1.0, layers=2, tension=TENSION,
+    seconds=60.0, unit=1.0,
 ):
-    """Document 1's scene; share: thickness over half the width, ratio: white over gray, unit: metres per unit."""
+    """Document 1's scene; share: thickness over half the width, ratio: white over gray, unit: m per unit."""
     radius = RADIUS / unit
     thickness = share * radius
     body = semiellipse(
         width=2 * radius, height=aspect * radius, thickness=thickness, size=thickness / layers
     )
     gray, white = (NeoHookean.from_young(young, poisson) for young in (1389.0, 1389.0 * ratio))
-    terms = [Elastic(gray=gray, white=white, layers="sharp")]
+    terms = [Elastic(gray=gray, white=white, layers="sharp"), SelfContact()]
     if tension:
         terms.append(AxonalTension(strength=tension / unit, patches=12))
-    if contact:
-        terms.append(SelfContact())
     growing = TangentialGrowth(cortex=growth, layers="sharp")
     return Scene(body=body, terms=tuple(terms), processes=(growing,), stepping=Stepping(seconds=seconds))
 
@@ -46,10 +44,10 @@ def examine(made):
             check(made, step)
     except NotConvergedError as error:
         stopped = error
-        assert np.isfinite(error.time)
-        assert error.time == (steps[-1].state.time if steps else 0.0)
-        assert f"t = {error.time:.6g}" in str(error)
-        assert "Try " in str(error)
+    if stopped is not None:
+        assert stopped.time == (steps[-1].state.time if steps else 0.0)
+        assert f"t = {stopped.time:.6g}" in str(stopped)
+        assert "Try " in str(stopped)
     return steps, stopped
 
 
@@ -59,8 +57,7 @@ def check(made, step):
     assert numbers["min_jacobian"] > 0
     assert numbers["residual"] <= made.stepping.tolerance
     pial = (body.nodes + step.state["displacement"])[:, body.pial]
-    if any(isinstance(term, SelfContact) for term in made.terms):
-        assert self_intersections(pial, closed=False) == 0
+    assert self_intersections(pial, closed=False) == 0
 
 
 EASY = {
