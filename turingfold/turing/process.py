@@ -10,7 +10,7 @@ import numpy as np
 
 from ..body import Body
 from ..checks import one_of, positive, whole
-from ..scene import State
+from ..scene import InadmissibleStateError, State
 from .kinetics import Array, Kinetics
 from .linear import Integers
 from .modes import Mode, mode_with
@@ -56,8 +56,7 @@ class Pattern:
     @property
     def normalised(self) -> Array:
         """Activator mapped to [0, 1], whatever its sign and size."""
-        low, high = self.activator.min(), self.activator.max()
-        return np.asarray((self.activator - low) / (high - low))
+        return normalised(self.activator)
 
 
 @dataclass(frozen=True)
@@ -144,7 +143,9 @@ class Turing:
         guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
         if self.symmetric:
             guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
-        return Pattern(design, quadratic, refine(quadratic, settled, guess))
+        steady = refine(quadratic, settled, guess)
+        refuse_negative(self.kinetics, steady.state)
+        return Pattern(design, quadratic, steady)
 
     def _half_waves_on(self, body: Body) -> int:
         if not body.mirror:
@@ -178,6 +179,24 @@ class Turing:
         orders = orders[orders % 2 == 0] if self.symmetric and not body.mirror else orders
         strengths = np.random.default_rng(seed).standard_normal(len(orders))
         return np.asarray(strengths @ np.cos(np.pi * np.outer(orders, along)))
+
+
+def normalised(values: Array) -> Array:
+    """Return values mapped to [0, 1]; 0 where they are all equal."""
+    low, high = values.min(), values.max()
+    return np.asarray((values - low) / (high - low)) if high > low else np.zeros_like(values)
+
+
+def refuse_negative(kinetics: Kinetics, state: Array, time: float = 0.0) -> None:
+    """Raise InadmissibleStateError where a concentration is negative."""
+    if kinetics.non_negative and state.min() < 0:
+        species, node = np.unravel_index(np.argmin(state), state.shape)
+        raise InadmissibleStateError(
+            f"{'uv'[species]} is {state.min():.3g} at node {node} of the band, and "
+            f"{type(kinetics).__name__} needs "
+            "concentrations of at least 0: its peaks are too narrow for the mesh; use smaller elements.",
+            time=time,
+        )
 
 
 def pial_line(body: Body) -> tuple[Integers, int]:

@@ -7,7 +7,7 @@ at w + Σ m_i U_i. Theory: Hairer, Wanner, Solving Ordinary Differential Equatio
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -141,11 +141,13 @@ def march(
     floor: float | None = None,
     first: float | None = None,
     tableau: Tableau = RODAS4,
+    during: Callable[[float, float], ReactionDiffusion] | None = None,
 ) -> Iterator[Moment]:
     """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
 
     tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the
     largest value of each species.  first: first step; default a tenth of the fastest reaction time.
+    during: where the system changes in time, the system that stands for the interval (time, time + step).
     Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
     """
     norm = ErrorNorm(positive("tolerance", tolerance, at_most=0.5), floor)
@@ -156,7 +158,9 @@ def march(
     while time < until:
         last = time + step >= until * (1 - 1e-12)
         step = until - time if last else step
-        candidate, error = _step(system, state, step, tableau, norm)
+        candidate, error = rosenbrock_step(
+            system if during is None else during(time, step), state, step, tableau, norm
+        )
         factorizations += 1
         factor = 0.9 * max(error, 1e-8) ** (-1 / tableau.order) if math.isfinite(error) else 0.1
         if error <= 1.0:
@@ -173,9 +177,10 @@ def march(
             )
 
 
-def _step(
+def rosenbrock_step(
     system: ReactionDiffusion, state: Array, step: float, tableau: Tableau, norm: ErrorNorm
 ) -> tuple[Array, float]:
+    """Return the state after one step and its error in the norm; infinite if the state is not finite."""
     a, c = tableau.a, tableau.c
     solve = system.solver(state, 1 / (step * tableau.gamma))
     stages: list[Array] = []
