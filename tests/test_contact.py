@@ -84,6 +84,20 @@ def test_the_traction_is_uniform_and_grows_with_stiffness_and_stress():
     np.testing.assert_allclose(found[1], 3.5 * found[0], rtol=1e-9, atol=1e-12)
 
 
+def test_the_traction_does_not_depend_on_the_mesh():
+    # the same dhat on two meshes: force per length of flat wall
+    found = []
+    for size, gap in ((0.25, 0.2), (0.125, 0.4), (0.0625, 0.8)):
+        body = slotted(size=size)
+        potential = SelfContact(gap=gap).on(body).during(state_of(body), 0.1)
+        force = -potential.evaluate(closed(body, 0.0125)).gradient()[0].reshape(-1, 2)
+        wall = np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
+        inner = wall & (body.nodes[1] > 0.74) & (body.nodes[1] < 1.26)
+        found.append(force[inner, 0].mean() / (size / 2))
+    assert found[0] > 0
+    np.testing.assert_allclose(found, found[0], rtol=1e-6)
+
+
 def test_the_smallest_gap_is_the_one_between_the_walls():
     body = slotted()
     potential = SelfContact().on(body).during(state_of(body), 0.1)
