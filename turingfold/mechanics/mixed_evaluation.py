@@ -124,14 +124,15 @@ class MixedEvaluation:
         step = 1 / np.maximum(1.0, loss.max(0) / 0.9)
         long = np.abs(move).max(0) / self._sizes
         while True:
-            there = self._moved(step * move)
+            there = self.displaced(step * move)
             # steps below this are in the quadratic range, where round-off hides what they gain
             higher = (there.energies > self.energies) & (step * long > 1e-6)
             if not higher.any():
                 return there
             step = np.where(higher, 0.5 * step, step)
 
-    def _moved(self, move: Array) -> MixedEvaluation:
+    def displaced(self, move: Array) -> MixedEvaluation:
+        """Return the evaluation with the bubbles moved by (2, e) within the admissible range."""
         H = self.at.H + move[:, None, None] * self.potential.operator.points.bubble[:, :, None]
         at = kinematics(H, self.potential.metric)
         assert at is not None  # the step keeps a tenth of J*
@@ -190,9 +191,9 @@ class MixedEvaluation:
 class MixedRay:
     """The energy along x + s dx, b + s db, as the search sees it.
 
-    The merit is the augmented Lagrangian of r = A p with the pressure p⁺ = A⁻¹ (r + ∂r) that the Newton step
-    leads to, ∫ shear energy + p⁺ᵀ r + ½ ε mᵀ A⁻¹ m, m = r - A p⁺. With ε = 1 that is the energy; with ε of the
-    order of μ/κ the walls of the valley of admissible volume are no steeper than the rest of the energy.
+    The merit is the augmented Lagrangian of r = A p with the pressure p⁺ = A⁻¹ (r + ∂r) that a Newton step
+    leads to, ∫ shear energy + p⁺ᵀ r + ½ ε mᵀ A⁻¹ m, m = r - A p⁺. With ε = 1 that is the energy; with ε of
+    the order of μ/κ the walls of the valley of admissible volume are no steeper than the rest of the energy.
     """
 
     def __init__(self, start: MixedEvaluation, direction: Array, decrease: float) -> None:
