@@ -3,12 +3,18 @@ from .body import Body as Body
 from .geometry import half as half
 from .geometry import semicircle as semicircle
 from .geometry import semiellipse as semiellipse
+from .growth import RateGrowth as RateGrowth
 from .growth import TangentialGrowth as TangentialGrowth
+from .growth import restart as restart
 from .histories import Exponential as Exponential
 from .histories import Gompertz as Gompertz
 from .histories import Linear as Linear
 from .histories import Logistic as Logistic
 from .histories import Table as Table
+from .imperfection import Imperfection as Imperfection
+from .imperfection import roughened as roughened
+from .mechanics.buckling import Buckling as Buckling
+from .mechanics.buckling import buckling as buckling
 from .mechanics.contact import SelfContact as SelfContact
 from .mechanics.dynamics import Drag as Drag
 from .mechanics.dynamics import Inertia as Inertia
@@ -33,6 +39,8 @@ from .morphometry.similarity import similarity as similarity
 from .morphometry.walls import mirror_error as mirror_error
 from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length
+from .outlines.build import outline as outline
+from .outlines.read import read_outline as read_outline
 from .output.files import CorruptFileError as CorruptFileError
 from .output.files import OutputError as OutputError
 from .results import Result as Result
@@ -54,13 +62,19 @@ from .turing.concentrations import KochMeinhardt as KochMeinhardt
 from .turing.concentrations import LengyelEpstein as LengyelEpstein
 from .turing.concentrations import Schnakenberg as Schnakenberg
 from .turing.concentrations import Thomas as Thomas
+from .turing.continuation import follow as follow
 from .turing.deviations import BVAM as BVAM
 from .turing.deviations import BVAM2012 as BVAM2012
 from .turing.deviations import FitzHughNagumo as FitzHughNagumo
+from .turing.evolving import EvolvingTuring as EvolvingTuring
 from .turing.process import Turing as Turing
 from .turing.stability import conditions as conditions
 from .turing.stability import dispersion as dispersion
 from .turing.stability import hopf_boundary as hopf_boundary
 from .turing.user import UserKinetics as UserKinetics
+from .zones import Ellipse as Ellipse
+from .zones import HalfPlane as HalfPlane
+from .zones import Window as Window
+from .zones import Zone as Zone
 
 __version__: str

@@ -17,7 +17,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
-BAD_INPUT, STOPPED, IO_FAILED, INTERRUPTED = 2, 3, 4, 130
+from .cli_status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED
+
 WIDTH = 100
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
-from .cli import STOPPED
 from .cli_case import Case, folder_name, load_case
 from .cli_figure import figure_path, save_figure
+from .cli_status import STOPPED
 from .output.history import read_history
 from .results import Result, load
 from .run import Row, simulate

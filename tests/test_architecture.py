@@ -1,0 +1,153 @@
+"""The package as a whole: which way imports run, what a run loads, what is public and documented."""
+
+import ast
+import importlib
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import turingfold
+
+PACKAGE = Path(turingfold.__file__).parent
+# from the bottom up; modules of one row do not know each other, except inside one folder
+LAYERS = (
+    ("arrays", "checks"),
+    ("curve", "morphometry"),
+    ("body",),
+    ("geometry", "outlines", "scene"),
+    ("histories", "imperfection", "zones"),
+    ("growth", "tension", "turing"),
+    ("mechanics",),
+    ("output",),
+    ("results",),
+    ("run",),
+    ("drawing",),
+    ("panels", "plots"),
+    ("cli_case", "cli_figure", "cli_status"),
+    ("cli_run", "cli_tools"),
+    ("cli",),
+    ("__main__",),
+)
+HEAVY = ("matplotlib", "meshio", "pyamg", "ipctk", "rich")
+
+
+def modules():
+    return sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
+
+
+def part(path):
+    """Return the part of the package that a file belongs to: its folder, or itself."""
+    return path.relative_to(PACKAGE).with_suffix("").parts[0]
+
+
+def imports(path, *, inside_functions):
+    """Return the parts of the package that a file imports."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = list(ast.walk(tree)) if inside_functions else tree.body
+    found = set()
+    for node in nodes:
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = path.parent
+            for _ in range(node.level - 1):
+                base = base.parent
+            names = (node.module or "").split(".") if node.module else []
+            target = [*base.relative_to(PACKAGE).parts, *names]
+            found |= {target[0]} if target else {alias.name for alias in node.names}
+    return found
+
+
+def row(name):
+    for number, names in enumerate(LAYERS):
+        if name in names:
+            return number
+    pytest.fail(f"{name} is not listed in LAYERS; put it where it belongs")
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_run_one_way(path):
+    own = part(path)
+    for other in imports(path, inside_functions=True) - {own}:
+        assert row(other) < row(own), f"{own} imports {other}, which is not below it"
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_heavy_packages_are_imported_where_they_are_used(path):
+    if path == PACKAGE / "mechanics" / "contact.py":
+        return  # the one place of ipctk, itself imported only by scenes with contact
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
+        assert not {name.split(".")[0] for name in names} & set(HEAVY)
+
+
+def test_folders_define_nothing():
+    for path in PACKAGE.rglob("__init__.py"):
+        if path.parent != PACKAGE:
+            docstring, *rest = ast.parse(path.read_text(encoding="utf-8")).body
+            assert isinstance(docstring, ast.Expr), path
+            assert all(isinstance(node, ast.ImportFrom) and node.level for node in rest), path
+
+
+def test_every_public_name_exists_and_is_documented():
+    names = [name for name in turingfold.__all__ if name != "__version__"]
+    assert len(names) > 40
+    for name in names:
+        item = getattr(turingfold, name)
+        own = inspect.getdoc(item)
+        assert own, name
+        if inspect.isclass(item):
+            # the line that dataclasses make is no documentation
+            assert not own.startswith(f"{name}("), name
+            for attribute, value in vars(item).items():
+                if inspect.isfunction(value) and not attribute.startswith("_"):
+                    assert inspect.getdoc(value), f"{name}.{attribute}"
+
+
+def test_public_names_do_not_hide_modules():
+    for name in turingfold.__all__:
+        path = PACKAGE / f"{name}.py"
+        assert not path.exists() or inspect.ismodule(getattr(turingfold, name)), name
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_modules_are_documented(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    assert ast.get_docstring(tree)
+
+
+SCRIPT = """
+import sys
+import turingfold
+assert "numpy" not in sys.modules, "import turingfold is not cheap"
+from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle, simulate
+body = semicircle(radius=1.0, thickness=0.25, size=0.5)
+scene = Scene(
+    body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),),
+    processes=(TangentialGrowth(cortex=1.1),), stepping=Stepping(first=0.5, largest=0.5),
+)
+simulate(scene).summary()
+print(*sorted(sys.modules))
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+UNUSED = ("turing", "tension", "mechanics.contact", "mechanics.dynamics", "output", "plots")
+
+
+@pytest.mark.parametrize("absent", [*(f"turingfold.{name}" for name in UNUSED), *HEAVY])
+def test_a_purely_elastic_run_loads_nothing_else(loaded, absent):
+    assert "turingfold.mechanics.elastic" in loaded
+    assert not [name for name in loaded if name == absent or name.startswith(f"{absent}.")]
+
+
+def test_the_package_has_one_version():
+    assert importlib.import_module("importlib.metadata").version("turingfold") == turingfold.__version__
