@@ -141,7 +141,7 @@ class Turing:
         settled = settle(linear, self._begin(body, design, seed)[:, : mesh.nvertices])
         vertices = settled.state
         guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
-        if self.symmetric:
+        if self.symmetric and not body.mirror:
             guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
         steady = refine(quadratic, settled, guess)
         refuse_negative(self.kinetics, steady.state)
