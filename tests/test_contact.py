@@ -137,13 +137,14 @@ def test_a_step_that_is_not_finite_is_refused():
     assert potential.largest_step(np.zeros_like(d), d) == 0.0
 
 
+@pytest.mark.parametrize("outward", [0.4, 8.0])
 @pytest.mark.parametrize("base", ["clamped", "roller", "free"])
-def test_the_base_line_goes_on_outside_the_body(base):
+def test_the_base_line_goes_on_outside_the_body(base, outward):
     body = semicircle(radius=1.0, thickness=0.3, size=0.15, base=base)
     potential = SelfContact().on(body).during(state_of(body), 0.1)
     d = np.zeros((body.nodes.shape[1], 2))
     node = body.pial[1] if body.nodes[0, body.pial[0]] > 0 else body.pial[-2]
-    d[node] = 0.4, -0.3  # outward and under the base line, past no wall of the body
+    d[node] = outward, -0.3  # outward and under the base line, past no wall of the body
     bound = potential.largest_step(np.zeros(d.size), d.ravel())
     if base == "free":
         assert bound == 1.0
