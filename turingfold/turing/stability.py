@@ -128,21 +128,23 @@ def conditions(kinetics: Kinetics, d_u: float, d_v: float) -> Conditions:
     return (ranked or found)[0]
 
 
-def at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
-    """Examine a kinetics with activator diffusivity 1 and inhibitor diffusivity `ratio` (default: published).
-
-    Raises ValueError, with the table of conditions, if that is not Turing-unstable.
-    """
+def oriented(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
+    """Examine a kinetics with diffusivities 1 of the activator and `ratio` (default: published) of the other."""
     ratio = positive("ratio", kinetics.published_ratio if ratio is None else ratio)
-    found = [conditions(kinetics, *pair) for pair in ((1.0, ratio), (ratio, 1.0))]
-    for case, activator in zip(found, "uv", strict=True):
-        if case.unstable and case.activator == activator:
-            return case
-    case = found[1] if found[1].activator == "v" else found[0]
-    raise ValueError(
-        f"ratio={ratio:g}: no pattern forms, because not all four conditions of a Turing instability hold; "
-        f"take a ratio above the critical one, or other parameters.\n{case}"
-    )
+    u_first, v_first = (conditions(kinetics, *pair) for pair in ((1.0, ratio), (ratio, 1.0)))
+    return v_first if v_first.activator == "v" and not u_first.unstable else u_first
+
+
+def at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
+    """Examine as `oriented` does; raise ValueError, with the table of conditions, if not Turing-unstable."""
+    found = oriented(kinetics, ratio)
+    if not found.unstable:
+        raise ValueError(
+            f"ratio={found.ratio:g}: no pattern forms, because not all four conditions of a Turing "
+            "instability "
+            f"hold; take a ratio above the critical one, or other parameters.\n{found}"
+        )
+    return found
 
 
 def _examine(
