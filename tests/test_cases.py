@@ -1,0 +1,78 @@
+"""Every case: its form, the start of each of its scenes, and, slow, its quick version with its figure."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from turingfold import simulate
+from turingfold.cli import main
+from turingfold.cli_case import folder_name, load_case
+from turingfold.output.codec import decode
+from turingfold.output.document import stored
+
+CASES = sorted((Path(__file__).parent.parent / "cases").glob("*.py"))
+FIRST = "figure3"  # the one that is run to its end here; the others are slow
+
+
+@pytest.fixture(params=CASES, ids=lambda path: path.stem)
+def case(request):
+    return load_case(request.param)
+
+
+def test_a_case_says_what_it_is_and_how_to_run_it(case):
+    assert case.title.endswith((" s.", " min.", " h."))  # the run time
+    assert f"turingfold run cases/{case.path.name}" in case.module.__doc__
+    assert case.draw is not None
+
+
+def test_scenes_start_and_can_be_stored(case):
+    full, quick = case.scenes(quick=False), case.scenes(quick=True)
+    assert quick.keys() <= full.keys()  # a quick version may leave scenes out
+    name, scene = next(iter(quick.items()))
+    document, arrays = stored(scene)
+    again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays, known=case.known)
+    assert again.processes == scene.processes
+    assert again.terms == scene.terms
+    first = replace(scene, until=scene.until * scene.stepping.first)
+    assert simulate(first).summary()["converged"] is True, name
+
+
+def run(path, out):
+    """Run and draw a quick case and return the summaries of its scenes."""
+    case = load_case(path)
+    assert main(["run", str(path), "--quick", "--out", str(out)]) == 0
+    assert (out / case.name / f"{case.name}.png").stat().st_size > 10_000
+    summaries = {}
+    for name in case.scenes(quick=True):
+        file = out / case.name / folder_name(name) / "summary.json"
+        summaries[name] = summary = json.loads(file.read_text())
+        assert summary["converged"] is True
+        assert summary["self_intersections"] == 0
+        assert summary["min_jacobian"] > 0
+    return summaries
+
+
+def test_figure_3_has_a_gyrus_on_each_peak(tmp_path):
+    (path,) = [path for path in CASES if path.stem == FIRST]
+    (summary,) = run(path, tmp_path).values()
+    # 24 half waves have troughs at 12 places: a sulcus in each
+    assert summary["folds"] == 12
+    assert summary["registration"] > 0.8
+    assert summary["mirror_error"] < 1e-3 * 2.5e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in CASES if path.stem != FIRST], ids=lambda path: path.stem)
+def test_a_quick_case_runs_and_draws(path, tmp_path):
+    run(path, tmp_path)
+
+
+@pytest.mark.slow
+def test_where_the_tension_acts_decides_what_stands_on_the_peaks(tmp_path):
+    path = next(path for path in CASES if path.stem == "tension_placement")
+    summaries = run(path, tmp_path)
+    assert summaries["pial, towards peaks, 24 half waves"]["registration"] < -0.5
+    assert summaries["pial, between peaks, 24 half waves"]["registration"] > 0.5
+    assert summaries["interface, 24 half waves"]["registration"] > 0.8

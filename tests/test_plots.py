@@ -1,0 +1,133 @@
+"""Pictures: what is on the axes, in which units, and that every option draws."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from small import elastic_scene, folding_scene
+
+from turingfold import AxonalTension, half, plots, semicircle, simulate
+from turingfold.drawing import at_nodes, colour_limits, per_length, round_length
+
+
+@pytest.fixture(scope="module")
+def folded():
+    return simulate(folding_scene())
+
+
+@pytest.fixture
+def figure():
+    return Figure()
+
+
+def drawn(figure):
+    figure.draw_without_rendering()
+    return [axes for axes in figure.axes if axes.axison is False]
+
+
+@pytest.mark.parametrize("field", ["von_mises", "pressure", "jacobian"])
+def test_a_section_is_the_deformed_body_in_mm(folded, figure, field):
+    axes = figure.add_subplot()
+    colors = plots.section(axes, folded, field=field)
+    drawn(figure)
+    x, _ = 1e3 * (folded.scene.body.nodes + folded.last["displacement"])
+    low, high = axes.dataLim.intervalx
+    assert low == pytest.approx(x.min(), rel=1e-9)
+    assert high == pytest.approx(x.max(), rel=1e-9)
+    assert colors.norm.vmin < colors.norm.vmax
+    bar = figure.axes[-1]
+    assert ("kPa" in bar.get_ylabel()) == (field != "jacobian")
+
+
+def test_an_unknown_field_is_refused(folded, figure):
+    with pytest.raises(ValueError, match="field='stress' must be one of 'von_mises'"):
+        plots.section(figure.add_subplot(), folded, field="stress")
+
+
+def test_the_scale_bar_is_as_long_as_it_says(folded, figure):
+    axes = figure.add_subplot()
+    plots.scale_bar(axes, folded.scene.body)
+    (line,), (text,) = axes.lines, axes.texts
+    assert np.ptp(line.get_xdata()) == pytest.approx(float(text.get_text().removesuffix(" mm")))
+
+
+@pytest.mark.parametrize(("length", "rounded"), [(16.16, 10), (0.2, 0.2), (7.0, 5), (99.0, 50), (3e-3, 2e-3)])
+def test_lengths_are_rounded_down(length, rounded):
+    assert round_length(length) == pytest.approx(rounded)
+
+
+def test_peaks_stand_where_the_activator_is_largest(folded, figure):
+    axes = figure.add_subplot()
+    plots.peaks(axes, folded)
+    (line,) = axes.lines
+    # eight half waves with a peak in the middle: three peaks, and half a peak at each end
+    assert len(line.get_xdata()) == 5
+    pattern, points = folded.pattern(), 1e3 * folded.pial()
+    at = [int(np.argmin(np.hypot(*(points.T - peak).T))) for peak in np.transpose(line.get_data())]
+    assert pattern[at].min() > 0.9
+    plots.peaks(axes, simulate(elastic_scene()))
+    assert len(axes.lines) == 1  # nothing without a pattern
+
+
+def test_the_whole_story_has_four_panels(folded, figure):
+    plots.folding(figure, folded, term=AxonalTension(strength=0.5))
+    titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
+    assert [title[5] for title in titles] == list("abcd")
+    summary = folded.summary()
+    assert f"{summary['folds']} sulci" in titles[3]
+    assert f"registration {summary['registration']:+.2f}" in titles[3]
+
+
+def test_load_arrows_show_the_force_per_length():
+    # a path of length 2 with the force 3 per length along x, as nodes of quadratic edges carry it
+    edges = 40
+    points = np.stack([np.linspace(0, 2, 2 * edges + 1), np.zeros(2 * edges + 1)])
+    forces = np.zeros_like(points)
+    for k in range(edges):
+        forces[0, 2 * k : 2 * k + 3] += 3 * (2 / edges) * np.array([1, 4, 1]) / 6
+    at, load = per_length(points, forces, count=10)
+    assert at.shape == load.shape == (2, 10)
+    np.testing.assert_allclose(load[0, 1:-1], 3.0, rtol=1e-12)
+    np.testing.assert_allclose(at[0], np.linspace(0.1, 1.9, 10), rtol=1e-12)
+
+
+def test_a_load_that_is_not_there_is_refused(folded, figure):
+    with pytest.raises(ValueError, match="AxonalTension has no load"):
+        plots.load_arrows(figure.add_subplot(), folded.scene, folded.last, AxonalTension(strength=0.0))
+
+
+def test_values_that_are_linear_come_out_at_the_nodes(folded):
+    body = folded.scene.body
+    straight = ~body.in_cortex
+    x = body.quadrature.points[0]
+    nodes = np.unique(body.triangles[:, straight])
+    inner = nodes[np.hypot(*body.nodes[:, nodes]) < 0.6 * body.length]  # sides along the cortex are curved
+    np.testing.assert_allclose(at_nodes(body, x, straight)[inner], body.nodes[0, inner], atol=1e-12)
+
+
+def test_limits_leave_out_one_percent_of_the_area():
+    values, weights = np.linspace(0, 100, 10_001), np.ones(10_001)
+    assert colour_limits(values, weights, centred=True) == pytest.approx((1.0, 99.0), abs=0.02)
+    assert colour_limits(values, weights, centred=False)[0] == 0.0
+    low, high = colour_limits(np.ones(5), np.ones(5), centred=True)
+    assert low < high
+
+
+def test_half_a_body_is_drawn_whole(figure):
+    body = half(semicircle(radius=1.0, thickness=0.25, size=0.25))
+    result = simulate(elastic_scene(body=body))
+    axes = figure.add_subplot()
+    plots.section(axes, result)
+    low, high = axes.dataLim.intervalx
+    assert low == pytest.approx(-high)
+    plots.pial_history(figure.add_subplot(), result)
+    drawn(figure)
+
+
+def test_panels_share_their_colours(folded, figure):
+    seen = []
+    for axes, name, result in plots.panels(figure, 1, 2, {"one": folded, "two": folded}):
+        axes.set_title(name)
+        seen.append(result)
+    assert seen == [folded, folded]
+    drawn(figure)
+    assert sum(bool(axes.get_ylabel()) for axes in figure.axes) == 1
