@@ -1,5 +1,7 @@
 """Growing and deforming bands: exact dilution, mode doubling, the pattern on moving tissue; the report."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from skfem import MeshTri
@@ -11,7 +13,7 @@ from turingfold.scene import State
 from turingfold.turing.concentrations import GrayScott, Schnakenberg
 from turingfold.turing.evolving import EvolvingTuring, deformed
 from turingfold.turing.growing import march_growing
-from turingfold.turing.modes import sign_changes
+from turingfold.turing.modes import isolating_ratio, sign_changes
 from turingfold.turing.process import Turing
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
 from turingfold.turing.report import stability_report
@@ -143,7 +145,12 @@ def test_the_report_lists_the_modes_that_grow(body):
     text = str(found)
     assert text.count("pass") == 4
     assert "12 half waves along" in text
-    assert stability_report(Schnakenberg(), 8.6, body, 12).isolated
+    largest = isolating_ratio(found.conditions, found.growing[2], list(found.modes))
+    assert f"12 half waves grow alone at ratios up to {largest:.6g}" in text
+    assert stability_report(Schnakenberg(), largest, body, 12).isolated
+    assert not stability_report(Schnakenberg(), largest * (1 + 1e-6), body, 12).isolated
+    with pytest.raises(ValueError, match="shares its eigenvalue"):
+        isolating_ratio(found.conditions, found.growing[2], [replace(found.growing[2], half_waves=3)])
     assert "FAIL" in str(stability_report(Schnakenberg(), 5.0, body))
 
 

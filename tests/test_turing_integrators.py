@@ -9,7 +9,7 @@ from turingfold.turing.bdf import march_bdf
 from turingfold.turing.imex import SBDF2, SCHEMES, fastest_reaction, march_imex
 from turingfold.turing.linear import Pattern
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
-from turingfold.turing.rosenbrock import RODAS4, ROS34PW2, ErrorNorm, _step, march
+from turingfold.turing.rosenbrock import RODAS4, ROS34PW2, ErrorNorm, march, rosenbrock_step
 from turingfold.turing.user import UserKinetics
 
 END = 4.0
@@ -31,7 +31,7 @@ def problem():
 def fixed_rosenbrock(tableau):
     def run(system, state, step):
         for _ in range(round(END / step)):
-            state, _ = _step(system, state, step, tableau, ErrorNorm(0.5))
+            state, _ = rosenbrock_step(system, state, step, tableau, ErrorNorm(0.5))
         return state
 
     return run

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from .kinetics import Array
 from .linear import Integers, factorised
 from .reaction_diffusion import Discretisation
-from .stability import Conditions
+from .stability import Conditions, oriented
 
 
 @dataclass(frozen=True)
@@ -92,6 +92,37 @@ def spectrum(space: Discretisation, upto: float, line: Integers) -> list[Mode]:
         if found[-1].value > upto or len(found) == space.size - 1:
             return [mode for mode in found if mode.value <= upto]
         count *= 2
+
+
+def isolating_ratio(found: Conditions, mode: Mode, others: list[Mode]) -> float:
+    """Return the largest ratio d_inhibitor / d_activator at which the mode, made the fastest, grows alone.
+
+    At most the ratio examined. Raises ValueError if another mode has the same eigenvalue, so that no ratio
+    separates them.
+    """
+    values = np.array([other.value for other in others if other.half_waves != mode.half_waves])
+    below, above = (
+        values[values < mode.value].max(initial=0.0),
+        values[values > mode.value].min(initial=np.inf),
+    )
+
+    def alone(ratio: float) -> bool:
+        low, high = oriented(found.kinetics, ratio).scaled_to(mode.value).band
+        return bool(below <= low and high <= above)
+
+    low, high = found.critical_ratio * (1 + 1e-9), found.ratio
+    if np.isclose(values, mode.value, rtol=1e-4).any() or not alone(low):
+        raise ValueError(
+            f"the mode with {mode.half_waves} half waves shares its eigenvalue {mode.value:.6g} with "
+            "another one: no "
+            "ratio of diffusivities makes it grow alone."
+        )
+    if alone(high):
+        return high
+    while high - low > 1e-10 * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if alone(middle) else (low, middle)
+    return low
 
 
 def growing(found: Conditions, modes: list[Mode]) -> list[Mode]:

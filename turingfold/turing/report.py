@@ -9,7 +9,7 @@ import numpy as np
 
 from ..body import Body
 from .kinetics import Kinetics
-from .modes import Mode, spectrum
+from .modes import Mode, isolating_ratio, spectrum
 from .process import Turing
 from .stability import Conditions, dispersion, oriented
 
@@ -52,15 +52,18 @@ class StabilityReport:
                 f"    {mode.half_waves:>3} half waves along   k² = {mode.value:.6g}   rate {rate:.6g}"
                 for mode, rate in zip(self.growing, rates, strict=True)
             ]
-            alone = (
-                "grows alone"
-                if self.isolated
-                else "cannot be isolated at this ratio; nearer the critical one"
-            )
-            lines.append(
-                f"  {self.half_waves} half waves {alone}{'' if self.isolated else ' fewer modes grow'}"
-            )
+            lines.append(f"  {self._isolation()}")
         return "\n".join(lines)
+
+    def _isolation(self) -> str:
+        if self.isolated:
+            return f"{self.half_waves} half waves grow alone"
+        mode = next(mode for mode in self.modes if mode.half_waves == self.half_waves)
+        try:
+            largest = isolating_ratio(self.conditions, mode, list(self.modes))
+        except ValueError as error:
+            return str(error)
+        return f"{self.half_waves} half waves grow alone at ratios up to {largest:.6g}"
 
     def _rates(self, modes: tuple[Mode, ...]) -> list[float]:
         found = self.conditions

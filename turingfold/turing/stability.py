@@ -129,7 +129,7 @@ def conditions(kinetics: Kinetics, d_u: float, d_v: float) -> Conditions:
 
 
 def oriented(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
-    """Examine a kinetics with diffusivities 1 of the activator and `ratio` (default: published) of the other."""
+    """Examine a kinetics with diffusivities 1 (activator) and `ratio` (inhibitor; default: published)."""
     ratio = positive("ratio", kinetics.published_ratio if ratio is None else ratio)
     u_first, v_first = (conditions(kinetics, *pair) for pair in ((1.0, ratio), (ratio, 1.0)))
     return v_first if v_first.activator == "v" and not u_first.unstable else u_first
