@@ -1,4 +1,4 @@
-"""Cost of Figure 3 to touching walls, in factorisations of its matrix. Targets: at most 250, half of it outside.
+"""Cost of Figure 3 to touching walls, in factorisations of its matrix: at most 250, half of it outside.
 
     python tests/benchmarks/figure3_cost.py [--repeats 3]
 

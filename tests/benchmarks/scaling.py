@@ -1,4 +1,4 @@
-"""Time and memory as the growth path's mesh is refined. Targets: 5 times the time for 4 times the unknowns, 1 GB.
+"""Time and memory of the growth path on finer meshes: 5 times the time for 4 times the unknowns, 1 GB.
 
     python tests/benchmarks/scaling.py [--repeats 3]
 
@@ -38,7 +38,7 @@ def peak_memory() -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=3, help="runs to take the median of")
-    parser.add_argument("--memory", action="store_true", help="run the large mesh only and print its peak memory")
+    parser.add_argument("--memory", action="store_true", help="run the large mesh, print its peak memory")
     chosen = parser.parse_args()
     if chosen.memory:
         print(f"{run(LARGE)[0]} unknowns: peak memory {peak_memory():.0f} MB, target 1000 MB")
@@ -48,8 +48,8 @@ def main() -> None:
     (few, _), (many, _) = pairs[0]
     ratios = [fine / coarse for (_, coarse), (_, fine) in pairs]
     power = log(median(ratios)) / log(many / few)
-    print(f"{few} -> {many} unknowns: {spread(ratios)} times the time; at 4 times the unknowns {4**power:.3g} times, "
-          "target 5")  # fmt: skip
+    print(f"{few} -> {many} unknowns: {spread(ratios)} times the time")
+    print(f"for 4 times the unknowns that is {4**power:.3g} times the time, target 5")
     subprocess.run([sys.executable, __file__, "--memory"], check=True)
 
 

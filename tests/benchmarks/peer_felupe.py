@@ -1,0 +1,90 @@
+"""The growth path in FElupe: its hand-written neo-Hookean solid, and SuperLU in symmetric mode."""
+
+import felupe
+import numpy as np
+from common import GRAY, GROWTH, STEPS, WHITE
+from scipy.sparse.linalg import splu
+
+from turingfold.body import Body
+
+
+class Triangle(felupe.QuadraticTriangle):
+    """FElupe's quadratic triangle; up to 11.3.0 the derivative of its last function, 4s(1-r-s), is another's."""
+
+    def gradient(self, rs: np.ndarray) -> np.ndarray:
+        r, s = rs
+        t = 1 - r - s
+        return np.array(
+            [[1 - 4 * t, 1 - 4 * t], [4 * r - 1, 0], [0, 4 * s - 1], [4 * (t - r), -4 * r], [4 * s, 4 * r],
+             [-4 * s, 4 * (t - s)]]
+        )  # fmt: skip
+
+
+class Grown:
+    """FElupe's neo-Hookean material seen from the grown state: F* = I + ∂u/∂X G⁻¹ + (G⁻¹ - I)."""
+
+    def __init__(self) -> None:
+        self.law = felupe.NeoHooke(mu=GRAY.mu, bulk=GRAY.kappa)
+        self.x = self.law.x
+        self.shift: np.ndarray | float = 0.0
+
+    def gradient(self, x: list, **options: object) -> list:
+        return self.law.gradient([x[0] + self.shift, *x[1:]], **options)
+
+    def hessian(self, x: list, **options: object) -> list:
+        return self.law.hessian([x[0] + self.shift, *x[1:]], **options)
+
+
+class Peer:
+    """The problem in FElupe on the body's own mesh and quadrature.
+
+    Growth goes into the region's gradients and volumes, so that its material and assembly run as they are. So
+    does the ratio of the two layers' moduli, which is one number as they have the same Poisson ratio: FElupe works
+    through the elements in chunks that fit the cache, but only with moduli that are the same everywhere.
+    """
+
+    name = "FElupe"
+
+    def __init__(self, body: Body, predict: bool, threads: int) -> None:
+        self.predict, self.parallel, self.body = predict, threads > 1, body
+        mesh = felupe.Mesh(body.nodes.T.copy(), body.triangles.T.copy(), "triangle6")
+        basis = body._basis
+        rule = felupe.quadrature.Scheme(basis.X.T.copy(), basis.W.copy())
+        self.region = felupe.Region(mesh, Triangle(), rule)
+        self.slopes, self.areas = self.region.dhdX.copy(), self.region.dV.copy()
+        self.free = np.setdiff1d(np.arange(body.nodes.size), body.fixed)
+
+    def grow(self, growth: float, material: Grown) -> None:
+        """Pull the region's gradients and areas back to the grown state."""
+        along = np.where(self.body.in_cortex, growth, 1.0)
+        t = self.body.tangent
+        shift = (1 / along - 1) * t[:, None] * t[None]
+        self.region.dhdX = self.slopes + np.einsum("akqe,kjqe->ajqe", self.slopes, shift)
+        self.region.dV = self.areas * along * np.where(self.body.in_cortex, 1.0, WHITE.mu / GRAY.mu)
+        material.shift = np.zeros((3, 3, *shift.shape[2:]))
+        material.shift[:2, :2] = shift
+
+    def run(self, forces: list[float]) -> tuple[np.ndarray, int]:
+        """Return the displacement of the vertices (2, n) and the iterations; `forces`: largest allowed ones."""
+        material = Grown()
+        field = felupe.FieldContainer([felupe.FieldPlaneStrain(self.region, dim=2)])
+        solid = felupe.SolidBody(material, field)
+        u = field[0].values
+        before, iterations = np.zeros_like(u), 0
+        for step, force in enumerate(forces, start=1):
+            self.grow(1 + (GROWTH - 1) * step / STEPS, material)
+            if self.predict:
+                ahead = u - before
+                before = u.copy()
+                u += ahead
+            while True:
+                slope = solid.assemble.vector(field, parallel=self.parallel).toarray().ravel()[self.free]
+                if np.linalg.norm(slope) <= force:
+                    break
+                tangent = solid.assemble.matrix(field, parallel=self.parallel).tocsc()[self.free][:, self.free]
+                factor = splu(
+                    tangent, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+                )
+                u.reshape(-1)[self.free] -= factor.solve(slope)
+                iterations += 1
+        return u[: self.body.mesh.nvertices].T.copy(), iterations
