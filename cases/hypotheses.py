@@ -1,4 +1,4 @@
-"""The three hypotheses on and off: eight combinations on the semi-circle. About 90 s.
+"""The three hypotheses on and off: eight combinations on the semi-circle. About 60 s.
 
     turingfold run cases/hypotheses.py      stores results/hypotheses, draws figures/hypotheses.png
 

@@ -80,6 +80,10 @@ def test_fields_must_be_those_of_the_class():
     part = encode(turingfold.SelfContact(), {})
     with pytest.raises(ValueError, match="differ in the fields: strength"):
         decode({**part, "strength": 1.0}, {})
+    with pytest.raises(ValueError, match="differ in the fields: kappa"):
+        decode({"class": "turingfold.mechanics.material.NeoHookean", "mu": 1.0}, {})
+    del part["gap"]  # as if the option were newer than the result
+    assert decode(part, {}) == turingfold.SelfContact()
 
 
 def test_own_classes_must_be_named():

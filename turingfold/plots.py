@@ -78,13 +78,13 @@ def section(
     return colors
 
 
-def outline(axes: Axes, body: Body, *, color: str = INK, label: str = "before folding") -> None:
+def outline(axes: Axes, body: Body, *, color: str = "white", label: str = "before folding") -> None:
     """Draw the undeformed outline, dashed; it shows on light and on dark."""
     from matplotlib.patheffects import withStroke
 
     points = MM * along_pial(body, body.nodes[:, body.pial])
-    halo = [withStroke(linewidth=2.4, foreground="white", alpha=0.6)]
-    axes.plot(*points, color=color, linewidth=1.1, linestyle=(0, (4, 3)), label=label, path_effects=halo)
+    halo = [withStroke(linewidth=2.4, foreground=INK)]
+    axes.plot(*points, color=color, linewidth=1.2, linestyle=(0, (4, 3)), label=label, path_effects=halo)
 
 
 def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:
@@ -184,6 +184,8 @@ def panels(
         outline(axes, result.scene.body)
         peaks(axes, result)
         yield axes, name, result
+    handles = dict(zip(*reversed(grid.flat[0].get_legend_handles_labels()), strict=True))
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2, frameon=False)
     figure.colorbar(colors, ax=grid, label=FIELDS["von_mises"][0], shrink=0.4, aspect=30, extend="max")
 
 
@@ -206,7 +208,8 @@ def folding(figure: Figure, result: Result, *, term: Term) -> None:
     pial_history(small[2], result)
     section(main, result)
     outline(main, result.scene.body)
-    main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, 0.02))
+    peaks(main, result)
+    main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, 0.0))
     small[0].sharex(small[2])
     titles = ("activator on the cortical band", "load of the tension, enlarged", "pial surface over time")
     for letter, title, axes in zip("abcd", [*titles, measures(result)], [*small, main], strict=True):

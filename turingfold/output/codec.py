@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from importlib import import_module
 from types import FunctionType
 from typing import Any
@@ -59,7 +59,7 @@ def decode(stored: Any, arrays: Mapping[str, NDArray[Any]], known: Iterable[Any]
     """Return what `encode` was given; lists come back as tuples.
 
     known: dataclasses and functions outside turingfold that may be made, found by their module and name.
-    Raises ValueError for any other class or function, and for fields that the class does not have.
+    Raises ValueError for any other class or function, and for fields that do not suit the class.
     """
     table = {_path(item, "known"): item for item in known}
     return _decode(stored, arrays, table)
@@ -74,10 +74,7 @@ def _decode(stored: Any, arrays: Mapping[str, NDArray[Any]], table: Mapping[str,
         case {"class": str(path)}:
             made = _known(path, table, type)
             parts = {k: _decode(v, arrays, table) for k, v in stored.items() if k != "class"}
-            expected = {f.name for f in fields(made) if f.init}
-            if set(parts) != expected:
-                wrong = ", ".join(sorted(set(parts) ^ expected))
-                raise ValueError(f"the stored {path} and the installed one differ in the fields: {wrong}.")
+            _check_fields(path, made, parts)
             return made(**parts)
         case {"float": str(word)} if word in SPECIAL:
             return SPECIAL[word]
@@ -88,6 +85,18 @@ def _decode(stored: Any, arrays: Mapping[str, NDArray[Any]], table: Mapping[str,
         case {"function": str(path)}:
             return _known(path, table, FunctionType)
     raise ValueError(f"the stored scene holds {str(stored)[:80]}, which this program does not write.")
+
+
+def _check_fields(path: str, made: Any, parts: Mapping[str, Any]) -> None:
+    """Refuse fields that the class does not have; what came later and has a default may be missing."""
+    own = [f for f in fields(made) if f.init]
+    needed = {f.name for f in own if f.default is MISSING and f.default_factory is MISSING}
+    wrong = (set(parts) - {f.name for f in own}) | (needed - set(parts))
+    if wrong:
+        raise ValueError(
+            f"the stored {path} and the installed one differ in the fields: {', '.join(sorted(wrong))}. The "
+            "result is of another version (scene.json names it); run the scene again."
+        )
 
 
 def _path(item: Any, name: str) -> str:
