@@ -216,7 +216,8 @@ def pushed(kind, n):
     body = square(n, distort=0.0)
     grow = TangentialGrowth(cortex=1.2, layers="sharp")
     stepping = Stepping(first=0.5, largest=0.5)
-    last = steps(Scene(body=body, terms=(kind(gray=material(0.3)),), processes=(grow,), stepping=stepping))[-1]
+    scene = Scene(body=body, terms=(kind(gray=material(0.3)),), processes=(grow,), stepping=stepping)
+    last = steps(scene)[-1]
     middle = np.flatnonzero((np.abs(body.nodes[0] - 0.5) < 1e-12) & (body.nodes[1] == 1))
     return last.state["displacement"][1, middle[0]]
 

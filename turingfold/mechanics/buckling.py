@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 
 VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
 FINEST = 1e-4  # smallest step towards a limit point, as a share of the scene's time
+CLOSE = 0.1  # width of the bracket around the crossing, as a share of its time
 WORN = 0.1  # share of the stiffness below which a path that cannot be followed has come to a limit point
 
 
@@ -111,10 +112,10 @@ def half_waves(body: Body, shape: Array) -> int:
 
 
 def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
-    """Return up to three stable states and the first unstable one; or stable ones and True."""
+    """Return up to four stable states and the first unstable one; or stable ones and True."""
     stepping, until = path.scene.stepping, path.scene.until
-    nodes: list[BaseState] = []
-    state, dt, longest, ahead = path.first, stepping.first * until, stepping.largest * until, None
+    nodes = [path.start]
+    state, dt, longest, ahead = path.start.state, stepping.first * until, stepping.largest * until, None
     while state.time < until * (1 - 1e-12):
         dt = min(dt, until - state.time)
         now = _attempt(path, state, dt, ahead)
@@ -122,19 +123,26 @@ def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
             dt = longest = dt / 2
             if dt >= FINEST * until:
                 continue
-            if not nodes:
-                raise NotConvergedError("no first step is found; make Stepping(first=...) smaller", time=0.0)
             return nodes, True
         if now.negative:
-            if not nodes:
-                raise NotConvergedError("unstable after one step; make Stepping(first=...) smaller", time=dt)
-            return [*nodes, now], False
+            return _closer(path, nodes, now), False
         ahead = (now.x - path.position(state)) / (now.state.time - state.time)
-        state, nodes, dt = now.state, [*nodes[-2:], now], min(1.3 * dt, longest)
+        state, nodes, dt = now.state, [*nodes[-3:], now], min(1.3 * dt, longest)
     raise NotConvergedError(
         f"No loss of stability until t = {until:g}, growth {largest_growth(state):.4g}; let it grow more.",
         time=until,
     )
+
+
+def _closer(path: BasePath, nodes: list[BaseState], end: BaseState) -> list[BaseState]:
+    """Return stable states and the first unstable one, near enough to interpolate what is between them."""
+    while end.state.time - nodes[-1].state.time > CLOSE * end.state.time:
+        start, dt = nodes[-1], 0.5 * (end.state.time - nodes[-1].state.time)
+        now = _attempt(path, start.state, dt, 0.5 * (end.x - start.x) / dt)
+        if now is None or not start.state.time < now.state.time < end.state.time:
+            break
+        nodes, end = (nodes, now) if now.negative else ([*nodes[-3:], now], end)
+    return [*nodes, end]
 
 
 def _attempt(path: BasePath, state: State, dt: float, ahead: Array | None) -> BaseState | None:

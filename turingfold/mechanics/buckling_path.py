@@ -42,23 +42,26 @@ class BasePath:
         self.operators = [term.on(scene.body) for term in scene.terms]
         held = scene.body.supported if any(o.grounds for o in self.operators) else scene.body.fixed
         self.gatherer = Gatherer(2 * scene.body.nodes.shape[1], held)
-        self.first = begin(scene).state
+        first = begin(scene).state
         self._kept: tuple[Pattern, Indefinite] | None = None
-        at_start = self._potentials(self.first, scene.stepping.first * scene.until)
-        at = evaluations(at_start, self.position(self.first))
+        at_start = self.potentials(first, scene.stepping.first * scene.until)
+        at = evaluations(at_start, self.position(first))
         if at is None:
             raise NotConvergedError("the scene's start is not admissible", time=0.0)
         self.rest = [e.hessian(0.0) for e in at if e.curved]
         pattern, tangent = self.gatherer.gather(self.rest)
-        if self.solver(pattern).factorize(tangent).negative:
+        negative = self.solver(pattern).factorize(tangent).negative
+        if negative:
             raise NotConvergedError("the scene is unstable at its start, before anything has grown", time=0.0)
+        self.start = BaseState(first, self.position(first), pattern, tangent, negative)
 
     @staticmethod
     def position(state: State) -> Array:
         """Return the displacement node by node, (2 n_nodes,)."""
         return state["displacement"].T.ravel()
 
-    def _potentials(self, state: State, dt: float) -> list[Potential]:
+    def potentials(self, state: State, dt: float) -> list[Potential]:
+        """Return the potentials of the step of length dt that ends in `state`."""
         return [p for p in (operator.during(state, dt) for operator in self.operators) if p is not None]
 
     def solver(self, pattern: Pattern) -> Indefinite:
@@ -80,7 +83,7 @@ class BasePath:
         Raises NotConvergedError where Newton fails, or ends too far from the expected place.
         """
         state, old = self.processed(start, dt), self.position(start)
-        potentials = self._potentials(state, dt)
+        potentials = self.potentials(state, dt)
         guess = old if ahead is None else old + ahead
         if evaluations(potentials, guess) is None:
             guess = old
@@ -116,13 +119,14 @@ class BasePath:
         start = nodes[-2].state
         state = self.processed(start, time - start.time)
         made = {name for process in self.scene.processes for name in process.writes}
-        times = np.array([node.state.time for node in nodes])
         for name in start.fields:
-            if name not in made and all(name in node.state for node in nodes):
-                values = np.stack([node.state[name] for node in nodes])
-                state = state.updated(**{name: BarycentricInterpolator(times, values)(time)})
+            if name not in made:
+                known = [node.state for node in nodes if name in node.state]
+                values = np.stack([at[name] for at in known])
+                through = BarycentricInterpolator(np.array([at.time for at in known]), values)
+                state = state.updated(**{name: through(time)})
         x = self.position(state)
-        at = evaluations(self._potentials(state, nodes[-1].state.time - start.time), x)
+        at = evaluations(self.potentials(state, nodes[-1].state.time - start.time), x)
         if at is None:
             raise NotConvergedError("the path turns too fast; make Stepping(largest=...) smaller", time=time)
         pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
