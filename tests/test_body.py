@@ -137,7 +137,7 @@ def test_band_values_arrive_at_the_integration_points():
 
 
 def test_integration_is_exact_to_degree_four_with_positive_weights():
-    body = Body(named(rectangle(2, 1)), 0.3)
+    body = Body(named(rectangle(2, 1)), 0.8)
     x, y = body.quadrature.points
     weights = body.quadrature.weights
     assert weights.min() > 0
@@ -305,10 +305,16 @@ def test_rollers_need_a_straight_base():
     p = mesh.p.copy()
     p[1] += 0.1 * np.sin(3 * p[0]) * (1 - p[1])
     named_before = named(mesh)
-    body = Body(MeshTri1(p, mesh.t, _boundaries=named_before.boundaries), 0.3, "roller")
+    slanted = MeshTri1(p, mesh.t, _boundaries=named_before.boundaries)
     with pytest.raises(ValueError, match="base") as failure:
-        _ = body.fixed
+        Body(slanted, 0.3, "roller")
     message_names(failure.value, "horizontal or vertical", "clamped")
+
+
+def test_a_cortex_thinner_than_the_elements_is_refused():
+    with pytest.raises(ValueError, match="thickness") as failure:
+        Body(named(rectangle(2, 1)), 0.1)
+    message_names(failure.value, "no gray matter", "smaller elements")
 
 
 def test_a_body_without_white_matter_has_no_interface():

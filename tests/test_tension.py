@@ -209,3 +209,25 @@ def test_pial_loads_cannot_follow():
     with pytest.raises(ValueError, match="follower") as failure:
         AxonalTension(strength=1.0, surface="pial", follower=True)
     message_names(failure.value, "interface", "energy")
+
+
+def test_between_peaks_on_the_interface_pulls_where_the_pattern_is_low():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    pattern = np.linspace(0.0, 1.0, len(body.cortex.nodes))
+    forces = {}
+    for direction in ("toward-peaks", "between-peaks", None):
+        term = AxonalTension(strength=2.0, direction=direction, ramp=0.0)
+        potential = term.on(body).during(State(1.0, {"pattern": pattern}), 1.0)
+        forces[direction] = potential.forces
+    state = State(1.0, {"pattern": np.ones_like(pattern)})
+    uniform = AxonalTension(strength=2.0, ramp=0.0).on(body).during(state, 1.0)
+    assert np.array_equal(forces[None], forces["toward-peaks"])
+    total = forces["toward-peaks"] + forces["between-peaks"]
+    np.testing.assert_allclose(total, uniform.forces, atol=1e-14)
+
+
+def test_pattern_uniform_but_for_round_off_makes_no_traction():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    pattern = 1.0 + 1e-15 * np.arange(len(body.cortex.nodes)) / len(body.cortex.nodes)
+    term = AxonalTension(strength=2.0, surface="pial", ramp=0.0)
+    assert not term.on(body).during(State(1.0, {"pattern": pattern}), 1.0).forces.any()

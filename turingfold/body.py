@@ -70,6 +70,14 @@ class Body:
                     "add it with mesh.with_boundaries({...})."
                 )
         _check_elements(self.mesh)
+        if not self.in_cortex.any():
+            raise ValueError(
+                f"thickness={self.thickness:g} m is less than the depth of the outermost elements: no gray "
+                'matter; use smaller elements, or name the subdomain "cortex".'
+            )
+        self.boundary_path("pial")  # refuses a surface in several parts
+        for line in self._sliding:
+            self._normal_axis(line)
 
     # nodes and curves
 
@@ -122,9 +130,9 @@ class Body:
             raise ValueError(
                 f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface."
             )
-        nodes, _ = self._path(across)
+        nodes, closed = self._path(across)
         arc = self.pial_curve.nearest(self.nodes[:, nodes])[2]
-        return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else nodes[::-1].copy()
+        return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else _reversed(nodes, closed)
 
     def boundary_path(self, name: str) -> tuple[Integers, bool]:
         """Return the nodes of a named boundary in counter-clockwise order, and whether it is closed."""
@@ -238,13 +246,14 @@ class Body:
         if self.base == "clamped":
             nodes = self.boundary_path("base")[0]
             dofs |= set(2 * nodes) | set(2 * nodes + 1)
-        elif self.base == "roller":
-            nodes = self.boundary_path("base")[0]
-            dofs |= set(2 * nodes + self._normal_axis("base"))
-        if self.mirror:
-            nodes = self.boundary_path("mirror")[0]
-            dofs |= set(2 * nodes + self._normal_axis("mirror"))
+        for line in self._sliding:
+            dofs |= set(2 * self.boundary_path(line)[0] + self._normal_axis(line))
         return np.array(sorted(dofs), dtype=np.int64)
+
+    @property
+    def _sliding(self) -> list[str]:
+        """Boundaries without normal displacement."""
+        return ["base"] * (self.base == "roller") + ["mirror"] * self.mirror
 
     def _holds(self, dofs: set[int]) -> set[int]:
         # each rigid motion that nothing else prevents is prevented at one degree of freedom near the middle
@@ -326,4 +335,9 @@ def _submesh(body: Body, elements: Integers) -> Band:
         name: edge[[int(nodes[part.nvertices + f]) in side for f in edge]] for name, side in sides.items()
     }
     boundaries = {name: found for name, found in named.items() if len(found)}
-    return Band(MeshTri2(mesh.doflocs[:, nodes], part.t, _boundaries=boundaries, validate=False), nodes)
+    return Band(
+        MeshTri2(
+            np.ascontiguousarray(mesh.doflocs[:, nodes]), part.t, _boundaries=boundaries, validate=False
+        ),
+        nodes,
+    )

@@ -10,6 +10,8 @@ from scipy.spatial import cKDTree
 
 from .arrays import Array, Integers
 
+NEAREST = 4  # samples whose segments are tried as the nearest one
+
 
 @dataclass(frozen=True, eq=False)
 class Curve:
@@ -56,25 +58,38 @@ class Curve:
     def nearest(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, unit tangent (2, m) and arc length at the nearest curve point of each point.
 
-        points: (2, m). The foot point solves (x - c(ξ))·c'(ξ) = 0 on the nearest segment and its neighbours.
+        points: (2, m). The foot point solves (x - c(ξ))·c'(ξ) = 0 on the segments of the nearest samples.
         """
-        count = self.segments.shape[2]
-        _, middle = cKDTree(self.segments[1].T).query(points.T)
+        samples, segment, start = self._samples
+        _, found = cKDTree(samples.T).query(points.T, k=min(NEAREST, samples.shape[1]))
+        found = found.reshape(points.shape[1], -1)
+        near = segment[found]
         best = np.full(points.shape[1], np.inf)
         foot, where = np.zeros_like(best), np.zeros(best.shape, dtype=np.int64)
-        for shift in (-1, 0, 1):
-            which = (middle + shift) % count if self.closed else np.clip(middle + shift, 0, count - 1)
-            xi = self._project(points, which)
-            distance = np.hypot(*(points - self._point(xi, which)))
-            better = distance < best
-            best[better], foot[better], where[better] = distance[better], xi[better], which[better]
+        for k in range(near.shape[1]):
+            new = np.flatnonzero((near[:, :k] != near[:, k : k + 1]).all(axis=1))
+            which = near[new, k]
+            xi = self._project(points[:, new], which, start[found[new, k]])
+            distance = np.hypot(*(points[:, new] - self._point(xi, which)))
+            better = distance < best[new]
+            at = new[better]
+            best[at], foot[at], where[at] = distance[better], xi[better], which[better]
         slope = self._slope(foot, where)
         return best, slope / np.hypot(*slope), self._arc_at(foot, where)
 
-    def _project(self, points: Array, which: Integers) -> Array:
+    @cached_property
+    def _samples(self) -> tuple[Array, Integers, Array]:
+        """Points on the curve, about evenly spaced, and the segment and the ξ of each."""
+        lengths = self._length(-1.0, 1.0)
+        counts = np.ceil(4 * lengths / np.median(lengths)).astype(np.int64)
+        which = np.repeat(np.arange(len(counts)), counts)
+        order = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+        xi = (2 * order + 1) / counts[which] - 1
+        return self._point(xi, which), which, xi
+
+    def _project(self, points: Array, which: Integers, xi: Array) -> Array:
         start, mid, end = self.segments[:, :, which]
         bend = start - 2 * mid + end
-        xi = np.zeros(points.shape[1])
         for _ in range(8):
             gap, slope = points - self._point(xi, which), self._slope(xi, which)
             speed2 = (slope**2).sum(0)
@@ -115,7 +130,5 @@ def chain(pairs: Integers) -> tuple[Integers, bool]:
         previous = path[-1]
         path.append(onward[0])
     if len(path) != len(neighbours):
-        raise ValueError(
-            f"the boundary edges fall apart: {len(path)} of {len(neighbours)} vertices connect."
-        )
+        raise ValueError(f"the boundary edges fall apart: {len(path)} of {len(neighbours)} vertices connect.")
     return np.array(path), not ends

@@ -236,7 +236,9 @@ def _mirrored(part: _Half) -> MeshTri2:
     straight = straight_mesh(points, triangles)
     mesh = MeshTri2.from_mesh(straight)
     facet = {(int(p), int(q)): k for k, (p, q) in enumerate(straight.facets.T)}
-    placed = mesh.doflocs.copy()
+    middles = 0.5 * (points[:, straight.facets[0]] + points[:, straight.facets[1]])
+    # mesh.doflocs is not mirrored to the last bit
+    placed = np.ascontiguousarray(np.concatenate([points, middles], axis=1))
     for (p, q), (x, y) in part.middles.items():
         placed[:, straight.nvertices + facet[p, q]] = x, y
         p, q = sorted((int(image[p]), int(image[q])))

@@ -24,11 +24,13 @@ SHAPES = np.stack([0.5 * GAUSS * (GAUSS - 1), 1 - GAUSS**2, 0.5 * GAUSS * (GAUSS
 class AxonalTension:
     """Tension of axons, ∝ the pattern û, along the gray-white interface or as tractions on the pial surface.
 
-    surface "interface": a line tension γ = strength û (N per m of depth, strength in N/m), in the weak form
-    -∫ γ T·∂_s v ds: no net force or moment. It makes gyri at the peaks.
-    surface "pial": tangential tractions of at most `strength` (Pa) along ∓∂_s û, converging on the peaks
+    surface "interface": a line tension γ (strength in N/m), in the weak form -∫ γ T·∂_s v ds: no net
+    force or moment. direction "toward-peaks": γ = strength û, which makes gyri at the peaks; "between-peaks":
+    γ = strength (1 - û).
+    surface "pial": tangential tractions of at most `strength` (Pa) along ±∂_s û, converging on the peaks
     (direction "toward-peaks", the arrows of the source's Figure 1; sulci form there) or between them
     ("between-peaks"; gyri form at the peaks).
+    direction None: the one that makes gyri at the peaks.
     follower: loads follow the deforming line instead of keeping their direction; only on the interface, where
     the tension then has the energy ∫ γ |∂x/∂s| ds.
     patches: without a pattern, this many evenly spaced patches of equal strength; nothing is read then.
@@ -37,7 +39,7 @@ class AxonalTension:
 
     strength: float
     surface: str = "interface"
-    direction: str = "between-peaks"
+    direction: str | None = None
     follower: bool = False
     patches: int = 0
     ramp: float = 0.1
@@ -45,7 +47,8 @@ class AxonalTension:
     def __post_init__(self) -> None:
         finite("strength", self.strength, "give the line tension in N/m, or the peak traction in Pa")
         one_of("surface", self.surface, SURFACES)
-        one_of("direction", self.direction, DIRECTIONS)
+        if self.direction is not None:
+            one_of("direction", self.direction, DIRECTIONS)
         whole("patches", self.patches, at_least=0)
         between("ramp", self.ramp, 0.0, 1e12)
         if self.follower and self.surface == "pial":
@@ -108,8 +111,11 @@ class TensionOperator:
         pattern = self.pattern(state)
         if term.surface == "pial":
             return DeadTension(self, rise * self._tractions(pattern))
-        line = rise * term.strength * np.einsum("km,kg->gm", pattern, SHAPES)
+        line = rise * term.strength * np.einsum("km,kg->gm", self._weight(pattern), SHAPES)
         return FollowerTension(self, line) if term.follower else DeadTension(self, self._line_forces(line))
+
+    def _weight(self, pattern: Array) -> Array:
+        return 1.0 - pattern if self.term.direction == "between-peaks" else pattern
 
     def _line_forces(self, line: Array) -> Array:
         """Nodal forces of a line tension with fixed direction: -∫ γ T ∂_s v ds, (2 n_nodes,)."""
@@ -120,7 +126,7 @@ class TensionOperator:
         """Nodal forces of the tractions ±strength (∂_s û / max|∂_s û|) t, (2 n_nodes,)."""
         slope = np.einsum("km,kg->gm", pattern, SLOPES) / self.speed
         largest = np.abs(slope).max()
-        if largest == 0:
+        if largest <= 1e-9 * np.abs(pattern).max() / self.curve.length:  # uniform but for round-off
             return np.zeros(2 * self.body.nodes.shape[1])
         sign = 1.0 if self.term.direction == "toward-peaks" else -1.0
         traction = sign * self.term.strength * slope / largest

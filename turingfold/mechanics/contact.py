@@ -78,8 +78,8 @@ class ContactOperator:
             self.mesh.can_collide = ipctk.make_static_obstacle_filter(self.moving)
         self.dhat = term.gap * shortest / self.unit
         self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
-        # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units of distance
-        self.barrier = ipctk.BarrierPotential(self.dhat, term.stiffness / (4.33 * self.dhat**3))
+        # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units; both walls have one
+        self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (4.33 * self.dhat**3))
         dofs = 2 * np.repeat(self.nodes, 2)
         dofs[1::2] += 1
         self.dofs = dofs
@@ -104,10 +104,10 @@ class ContactOperator:
         return found
 
     def smallest_gap(self, positions: Array) -> float:
-        """Return the smallest distance between parts that are not neighbours, up to 4 dhat."""
-        found = self.collisions(positions, 4 * self.dhat)
+        """Return the smallest distance between walls, up to 2 dhat: neighbours are farther apart at rest."""
+        found = self.collisions(positions, 2 * self.dhat)
         if found.empty():
-            return float(4 * self.dhat)
+            return float(2 * self.dhat)
         return float(np.sqrt(found.compute_minimum_distance(self.mesh, positions)))
 
     def during(self, state: State, dt: float) -> ContactPotential:
@@ -145,7 +145,7 @@ class ContactPotential:
         return {}
 
     def measure(self, x: Array) -> dict[str, float]:
-        """Return the smallest distance between parts of the boundary (m; at most 4 dhat is looked for)."""
+        """Return the smallest distance between parts of the boundary (m; at most 2 dhat is looked for)."""
         operator = self.operator
         return {"min_gap": operator.smallest_gap(operator.positions(x)) * operator.unit}
 

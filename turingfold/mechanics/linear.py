@@ -212,11 +212,11 @@ class SuperLu:
         """Factorise; raises NotPositiveDefinite."""
         full = csc_matrix((values[self._take], (self._rows, self._columns)), shape=(self._n, self._n))
         options = {"SymmetricMode": True}
-        if self._order is None:
-            order = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).perm_c
-            self._order = np.argsort(order)
-        full = full[self._order][:, self._order]
         try:
+            if self._order is None:
+                order = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).perm_c
+                self._order = np.argsort(order)
+            full = full[self._order][:, self._order]
             lu = splu(full.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
         except RuntimeError as error:  # exactly singular
             raise NotPositiveDefinite from error

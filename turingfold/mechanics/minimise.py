@@ -10,10 +10,11 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..scene import Evaluation, NotConvergedError, Potential
-from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
 from .inertia import negative_pivots
+from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
+DOUBLINGS = 8  # of a step away from a saddle
 ARMIJO = 1e-4
 SHORTEST = 2.0**-30
 
@@ -35,7 +36,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and how the tangent's pivots look.
+    """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and the tangent's pivots.
 
     negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum.
     """
@@ -210,10 +211,30 @@ class Minimiser:
                 there is not None
                 and sum(e.energy for e in there) <= energy + ARMIJO * step * decrease + noise
             ):
+                if self._level and step == 1.0:
+                    trial, there = _lengthened(potentials, x, trial, there)
                 self.effort.add("line searches", begin)
                 return trial, there
             step *= 0.5
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
+
+
+def _lengthened(
+    potentials: Sequence[Potential], x: Array, trial: Array, there: list[Evaluation]
+) -> tuple[Array, list[Evaluation]]:
+    """Return the end of the step, doubled as long as that is admissible and lowers the energy.
+
+    Near a saddle the added convexity makes steps far too short: each grows the way down by a few percent.
+    """
+    for _ in range(DOUBLINGS):
+        onward = 2.0 * (trial - x)
+        if min(p.largest_step(x, onward) for p in potentials) < 1.0:
+            break
+        farther = _evaluate(potentials, x + onward)
+        if farther is None or sum(e.energy for e in farther) >= sum(e.energy for e in there):
+            break
+        trial, there = x + onward, farther
+    return trial, there
 
 
 def _evaluate(potentials: Sequence[Potential], x: Array) -> list[Evaluation] | None:
