@@ -1,5 +1,7 @@
 """Growth laws, histories, zones, stages."""
 
+import math
+
 import numpy as np
 import pytest
 from checks import check_process
@@ -12,6 +14,7 @@ from turingfold.histories import Exponential, Gompertz, Linear, Logistic, Table,
 from turingfold.mechanics.elastic import Elastic
 from turingfold.outlines import outline
 from turingfold.scene import InadmissibleStateError, State
+from turingfold.swelling import SurfaceSwelling
 from turingfold.zones import Ellipse, HalfPlane, Window, Zone
 
 
@@ -163,7 +166,9 @@ def test_regions_have_their_shares_at_known_places(body):
         (lambda: TangentialGrowth(radial_cortex=0), "radial_cortex=0"),
         (lambda: TangentialGrowth(thinning=1.5), "thinning=1.5"),
         (lambda: RateGrowth(rate=np.inf), "rate=inf"),
-        (lambda: growth_time(40), "day=40 must be between P0 and P32"),
+        (lambda: growth_time(40), "day=40 must be between 0 and 32"),
+        (lambda: postnatal_day(1.1), "time=1.1 must be between 0 and duration=1"),
+        (lambda: growth_time(4, slowing=-1), "slowing=-1"),
         (lambda: postnatal_day(0.5, duration=0), "duration=0"),
     ],
 )
@@ -207,8 +212,13 @@ def test_an_exponential_history_has_a_constant_relative_rate():
     assert rates == pytest.approx(np.log(1.9) / 2.0)
 
 
-def test_ages_are_linear_in_growth_time():
-    assert [growth_time(day) for day in (0, 4, 8, 16, 32)] == [0, 0.125, 0.25, 0.5, 1]
+def test_growth_slows_down_with_age_from_the_first_to_the_last_day():
+    assert growth_time(0) == 0
+    assert growth_time(32, duration=3.0) == 3.0
+    steady = [growth_time(day, slowing=1e6) for day in (4, 8, 16)]
+    assert steady == pytest.approx([0.125, 0.25, 0.5], rel=1e-4)
+    slopes = [growth_time(day + 1e-6) - growth_time(day) for day in (1, 13)]
+    assert slopes[0] / slopes[1] == pytest.approx(np.e, rel=1e-6)
     assert postnatal_day(growth_time(11.0, duration=3.0), duration=3.0) == pytest.approx(11.0)
 
 
@@ -237,3 +247,20 @@ def test_a_folded_over_body_cannot_be_restarted(body):
     x, y = body.nodes
     with pytest.raises(ValueError, match="triangle"):
         restart(body, State(1.0, {"displacement": np.stack([0 * x, -1.5 * y * (np.abs(x) < 0.3)])}))
+
+
+def test_swelling_starts_at_the_surface_and_ends_as_the_coat(body):
+    swelling = SurfaceSwelling(final=1.8, diffusivity=0.01, out_of_plane="tangential")
+    check_process(swelling, body, State(0.0), 0.3)
+    along, across, out = grown(swelling, body, 0.25)
+    wet = np.array([1 - math.erf(y / (2 * math.sqrt(0.01 * 0.25))) for y in body.depth[0]])
+    assert along[0] == pytest.approx(1 + 0.8 * wet * cortex_indicator(body)[0], rel=1e-12)
+    assert np.array_equal(along, across)
+    assert np.array_equal(along, out)
+    late = grown(SurfaceSwelling(final=1.8, diffusivity=1e9), body, 1.0)[0]
+    assert late == pytest.approx(1 + 0.8 * cortex_indicator(body), abs=1e-4)
+
+
+def test_swelling_without_diffusion_is_refused():
+    with pytest.raises(ValueError, match="diffusivity=0"):
+        SurfaceSwelling(diffusivity=0)

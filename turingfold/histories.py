@@ -9,6 +9,8 @@ import numpy as np
 
 from .checks import finite, finite_array, positive
 
+LAST_DAY = 32.0
+
 
 @runtime_checkable
 class History(Protocol):
@@ -105,16 +107,23 @@ class Table:
         return float(1.0 + (final - 1.0) * np.interp(time, self.times, self.shares))
 
 
-def postnatal_day(time: float, *, duration: float = 1.0, first: float = 0.0, last: float = 32.0) -> float:
-    """Return the age in days at a growth time: P0 at t = 0 and P32 at t = duration, linear in between.
+def growth_time(day: float, *, duration: float = 1.0, slowing: float = 12.0) -> float:
+    """Return the growth time at an age in postnatal days, from P0 at t = 0 to P32 at t = duration.
 
-    That ages are spread evenly over growth time is our choice; Choi et al. 2025 name P0, P4, P8, P16 and P32.
+    t = duration (1 - e^{-day/slowing})/(1 - e^{-32/slowing}): growth slows down with age, to 1/e in `slowing`
+    days.
+    The ages P0, P4, P8, P16 and P32 are those of Choi et al. 2025; how they are spread over time is our
+    choice.
     """
-    return first + (last - first) * time / positive("duration", duration)
+    if not 0.0 <= finite("day", day) <= LAST_DAY:
+        raise ValueError(f"day={day:g} must be between 0 and {LAST_DAY:g}.")
+    rate = 1.0 / positive("slowing", slowing)
+    return positive("duration", duration) * float(np.expm1(-day * rate) / np.expm1(-LAST_DAY * rate))
 
 
-def growth_time(day: float, *, duration: float = 1.0, first: float = 0.0, last: float = 32.0) -> float:
-    """Return the growth time at an age in days, the inverse of `postnatal_day`."""
-    if not first <= finite("day", day) <= last:
-        raise ValueError(f"day={day:g} must be between P{first:g} and P{last:g}.")
-    return duration * (day - first) / (last - first)
+def postnatal_day(time: float, *, duration: float = 1.0, slowing: float = 12.0) -> float:
+    """Return the age in postnatal days at a growth time, the inverse of `growth_time`."""
+    share = finite("time", time) / positive("duration", duration)
+    if not 0.0 <= share <= 1.0:
+        raise ValueError(f"time={time:g} must be between 0 and duration={duration:g}.")
+    return float(-slowing * np.log1p(share * np.expm1(-LAST_DAY / positive("slowing", slowing))))

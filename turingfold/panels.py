@@ -128,6 +128,6 @@ def _at_nodes(body: Body, values: Array) -> Array:
     count, corners = body.nodes.shape[1], body.triangles[:3]
     total = np.bincount(corners.ravel(), weights.sum(1).ravel(), minlength=count)
     found = np.bincount(corners.ravel(), (weights * values).sum(1).ravel(), minlength=count)
-    found /= np.where(total > 0, total, 1.0)
-    found[body.triangles[3:]] = found[body.triangles[MIDDLES]].mean(1)
-    return found
+    means = np.asarray(found / np.where(total > 0, total, 1.0))
+    means[body.triangles[3:]] = means[body.triangles[MIDDLES]].mean(1)
+    return means

@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 TIGHT = ("refuse", "trim")
+BEND = 0.8  # rad, by which an edge of the pial surface turns at most
+FINEST = 0.125  # share of the asked element size below which bends do not refine the pial surface
 BULGE = 0.1  # largest share of its length by which an edge of the interface is curved
 CORNER = 30.0  # degrees by which a base must turn for its vertex to be kept
 
@@ -76,13 +78,15 @@ def outline(
     white = interface(pial, thickness, around, size if tight == "trim" else 0.0)
     if ground is not None:
         white = onto_base(white, ground)
-    tree = cKDTree(pial.at(pial.spaced(0.1 * size)).T)
+    s, edge = _edge_lengths(pial, size, grading)
+    tree = cKDTree(pial.at(s).T)
 
     def wanted(at: Array) -> Array:
-        depth, _ = tree.query(at.T)
-        return np.asarray(size + grading * np.maximum(0.0, depth - thickness))
+        depth, nearest = tree.query(at.T)
+        by_depth = size + grading * np.maximum(0.0, depth - thickness)
+        return np.minimum(by_depth, edge[nearest] + grading * depth)
 
-    plan = _planned(pial, ground, white, wanted, size)
+    plan = _planned(pial, ground, white, wanted, size, _graded(s, edge))
     return Body(_meshed(plan, wanted), thickness, base)
 
 
@@ -112,10 +116,36 @@ def _parts(loop: Array, base_ends: Any) -> tuple[Array, Array | None]:
     return np.concatenate([turned[:, count:], turned[:, :1]], axis=1), turned[:, : count + 1]
 
 
-def _planned(pial: Line, ground: Array | None, line_within: Array, wanted: Size, size: float) -> _Plan:
-    """Put nodes on pial surface, base and interface."""
-    s = pial.spaced(size, fewest=6)
-    half_way = 0.5 * (s + np.append(s[1:], pial.length))[: len(s) if pial.closed else -1]
+def _edge_lengths(pial: Line, size: float, grading: float) -> tuple[Array, Array]:
+    """Return arc lengths along the pial surface, and the edge length there: less where it bends sharply."""
+    s = np.linspace(0.0, pial.length, max(64, round(10 * pial.length / size)) + 1)
+    radius = 1.0 / np.maximum(np.abs(pial.curvature(s)), BEND / (10 * size))
+    edge = np.clip(BEND * radius, FINEST * size, size)
+    # away from bends it grows by `grading` at most; a closed curve goes round three times
+    laps = 3 if pial.closed else 1
+    along = np.concatenate([s + lap * pial.length for lap in range(laps)])
+    slope, edge = grading * along, np.tile(edge, laps)
+    edge = np.minimum(edge, slope + np.minimum.accumulate(edge - slope))
+    edge = np.minimum(edge, np.minimum.accumulate((edge + slope)[::-1])[::-1] - slope)
+    return s, edge[len(s) : 2 * len(s)] if pial.closed else edge
+
+
+def _graded(s: Array, edge: Array, fewest: int = 6) -> Array:
+    """Return places between the ends of s, both included, whose distances are about the edge lengths
+    there.
+    """
+    steps = 0.5 * (1 / edge[1:] + 1 / edge[:-1]) * np.diff(s)
+    number = np.concatenate([[0.0], np.cumsum(steps)])
+    count = max(fewest, round(number[-1]))
+    return np.interp(np.linspace(0.0, number[-1], count + 1), number, s)
+
+
+def _planned(
+    pial: Line, ground: Array | None, line_within: Array, wanted: Size, size: float, places: Array
+) -> _Plan:
+    """Put nodes on pial surface (at `places`), base and interface."""
+    s = places[:-1] if pial.closed else places
+    half_way = 0.5 * (places[1:] + places[:-1])
     white, white_middles = _spread(line_within, size)
     surface, boundary = pial.at(s), len(s)
     if ground is None:
@@ -166,10 +196,8 @@ def _base_points(ground: Array, stops: tuple[Array, Array], wanted: Size) -> tup
     places = [breaks[:1]]
     for low, high in pairwise(breaks):
         fine = np.linspace(low, high, 200)
-        density = 1.0 / wanted(np.stack([np.interp(fine, arc, x) for x in ground]))
-        number = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-        count = max(1, round(number[-1]))
-        places.append(np.interp(np.linspace(0.0, number[-1], count + 1)[1:], number, fine))
+        edge = wanted(np.stack([np.interp(fine, arc, x) for x in ground]))
+        places.append(_graded(fine, edge, fewest=1)[1:])
     s = np.concatenate(places)
     found = [int(np.argmin(np.abs(s - stop))) for stop in at_stops]
     return np.stack([np.interp(s, arc, x) for x in ground]), found

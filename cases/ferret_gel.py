@@ -1,0 +1,39 @@
+"""Gel brains: a coat of 1, 4 or 8 layers that swells from outside folds the finer the thinner it is. About 45
+s.
+
+    turingfold run cases/ferret_gel.py      draws figures/ferret_gel.png
+
+The two-layer gel experiment: a core with 1, 4 or 8 coats, each 0.025 of the radius thick, put into solvent
+for 1.5 h (t = 1). The solvent reaches depth y as erfc(y/√(4 D t)) with D = 0.02 radius² per 1.5 h, that is
+1e-9 m²/s for a radius of 16 mm; a wet coat doubles its lengths. Same moduli for coat and core (mu = 1, kappa
+= 5): our choices.
+"""
+
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels, semicircle
+from turingfold.imperfection import Imperfection
+from turingfold.swelling import SurfaceSwelling
+
+COAT = 0.025
+LAYERS = {1: 3, 4: 4, 8: 5}  # elements across so many coats
+
+
+def scenes(quick=False):
+    found = {}
+    for coats, layers in LAYERS.items():
+        thickness = coats * COAT
+        body = semicircle(radius=1.0, thickness=thickness, size=thickness / (2 if quick else layers), base="roller")
+        processes = (SurfaceSwelling(final=2.0, diffusivity=0.02), Imperfection(amplitude=0.02))
+        terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
+        name = f"{coats} coats" if coats > 1 else "1 coat"
+        found[name] = Scene(body=body, processes=processes, terms=terms, until=0.01 if quick else 1.0)
+    return found
+
+
+def draw(results, figure):
+    shown, notes = {}, {}
+    for name, result in results.items():
+        for minutes in (30, 90):
+            title = f"{name}, {minutes} min"
+            shown[title] = result, panels.nearest_step(result, result.scene.until * minutes / 90)
+    for axes, (result, _) in zip(panels.grid(figure, shown, columns=2, notes=notes), shown.values(), strict=True):
+        panels.before(axes, result)

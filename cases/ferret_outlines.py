@@ -1,0 +1,60 @@
+"""Ferret, real outlines: coronal sections of a P0 brain fold until their perimeter is that of the published
+one. 20 s.
+
+    turingfold run cases/ferret_outlines.py      draws figures/ferret_outlines.png
+
+Sections of both hemispheres (Choi et al. 2025, stage 1), read from the folder that the environment variable
+FERRET_OUTLINES names, else from ../shared/reference/ferret beside the repository. Smoothed over 0.04, cortex
+T = 0.1 (rounded inside where the outline is tighter), growth at the rate 1.9 with thinning, none at the
+bottom (y < -0.4). Each side grows until its perimeter has increased as much as that of the published stage 4,
+whose outlines cross themselves 6 and 2 times: ours never do.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels
+from turingfold.growth import RateGrowth
+from turingfold.outlines import outline, read_outline
+from turingfold.zones import HalfPlane, Zone
+
+FOLDER = Path(os.environ.get("FERRET_OUTLINES", Path(__file__).parents[2] / "shared" / "reference" / "ferret"))
+UNTIL = {"left": 0.447, "right": 0.362}  # where the perimeter has grown by 1.551 and 1.354
+PUBLISHED = {"left": 1.401, "right": 1.233}  # gyrification index of stage 4
+BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
+
+
+def section(side, stage):
+    """Return the published outline, (2, n)."""
+    return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv")
+
+
+def scenes(quick=False):
+    found = {}
+    for side, until in UNTIL.items():
+        size = 0.05 if quick else 0.025
+        body = outline(section(side, 1), thickness=0.1, size=size, smooth=0.04, tight="trim")
+        terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
+        growth = RateGrowth(rate=1.9, zones=(BOTTOM,))
+        found[side] = Scene(body=body, processes=(growth,), terms=terms, until=0.1 if quick else until)
+    return found
+
+
+def draw(results, figure):
+    shown, notes = {}, {}
+    for side, result in results.items():
+        start, end = result.scene.body.pial_curve.length, perimeter(result.pial())
+        shown[f"{side}, P0"] = result, 0
+        shown[f"{side}, grown"] = result, -1
+        notes[f"{side}, grown"] = f"perimeter × {end / start:.3f}, stage 4: GI {PUBLISHED[side]:.3f} (dotted)"
+    drawn = panels.grid(figure, shown, columns=4, notes=notes, width=2.6)
+    for axes, side in zip(drawn[1::2], results, strict=True):
+        published = section(side, 4)
+        axes.plot(*np.concatenate([published, published[:, :1]], axis=1), ":", color=panels.INK, linewidth=0.8)
+
+
+def perimeter(points):
+    """Return the length of a closed polygon (2, n)."""
+    return float(np.hypot(*(points - np.roll(points, 1, axis=1))).sum())
