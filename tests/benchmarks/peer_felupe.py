@@ -7,9 +7,13 @@ from scipy.sparse.linalg import splu
 
 from turingfold.body import Body
 
+SYMMETRIC = {
+    "permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}
+}  # fmt: skip
+
 
 class Triangle(felupe.QuadraticTriangle):
-    """FElupe's quadratic triangle; up to 11.3.0 the derivative of its last function, 4s(1-r-s), is another's."""
+    """FElupe's quadratic triangle, whose last function, 4s(1-r-s), has a wrong derivative in 11.3.0."""
 
     def gradient(self, rs: np.ndarray) -> np.ndarray:
         r, s = rs
@@ -38,8 +42,8 @@ class Grown:
 class Peer:
     """The problem in FElupe on the body's own mesh and quadrature.
 
-    Growth goes into the region's gradients and volumes, so that its material and assembly run as they are. So
-    does the ratio of the two layers' moduli, which is one number as they have the same Poisson ratio: FElupe works
+    Growth goes into the region's gradients and volumes, so that its material and assembly run as they are.
+    So does the ratio of the two layers' moduli, one number as they have the same Poisson ratio: FElupe works
     through the elements in chunks that fit the cache, but only with moduli that are the same everywhere.
     """
 
@@ -65,7 +69,7 @@ class Peer:
         material.shift[:2, :2] = shift
 
     def run(self, forces: list[float]) -> tuple[np.ndarray, int]:
-        """Return the displacement of the vertices (2, n) and the iterations; `forces`: largest allowed ones."""
+        """Return the displacement of the vertices (2, n) and the iterations, down to the given forces."""
         material = Grown()
         field = felupe.FieldContainer([felupe.FieldPlaneStrain(self.region, dim=2)])
         solid = felupe.SolidBody(material, field)
@@ -81,10 +85,8 @@ class Peer:
                 slope = solid.assemble.vector(field, parallel=self.parallel).toarray().ravel()[self.free]
                 if np.linalg.norm(slope) <= force:
                     break
-                tangent = solid.assemble.matrix(field, parallel=self.parallel).tocsc()[self.free][:, self.free]
-                factor = splu(
-                    tangent, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-                )
+                tangent = solid.assemble.matrix(field, parallel=self.parallel).tocsc()
+                factor = splu(tangent[self.free][:, self.free], **SYMMETRIC)
                 u.reshape(-1)[self.free] -= factor.solve(slope)
                 iterations += 1
         return u[: self.body.mesh.nvertices].T.copy(), iterations

@@ -48,7 +48,7 @@ class Peer:
         return ngs.Variation(density.Compile(realcompile=True, wait=True) * measure)
 
     def run(self, forces: list[float]) -> tuple[np.ndarray, int]:
-        """Return the displacement of the vertices (2, n) and the iterations; `forces`: largest allowed ones."""
+        """Return the displacement of the vertices (2, n) and the iterations, down to the given forces."""
         ngs.SetNumThreads(self.threads)
         u = ngs.GridFunction(self.space)
         slope, direction, before = (u.vec.CreateVector() for _ in range(3))
