@@ -170,16 +170,19 @@ def test_ctrl_c_is_status_130_and_says_how_to_go_on(written, tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_a_real_interrupt_can_be_resumed(written, tmp_path):
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_real_interrupt_can_be_resumed(written, tmp_path, jobs):
     case = written(GROWS, step=0.002)
-    words = [sys.executable, "-m", "turingfold", "run", case]
-    process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+    words = [sys.executable, "-m", "turingfold", "run", case, "-j", jobs]
+    process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, start_new_session=True)
     history = tmp_path / "results/tiny/grows/history.csv"
     while not history.exists() or history.read_text().count("\n") < 5:
         assert process.poll() is None
         time.sleep(0.02)
-    process.send_signal(signal.SIGINT)
-    assert "--resume" in process.communicate(timeout=60)[1]
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to all processes
+    said = process.communicate(timeout=60)[1]
+    assert "--resume" in said
+    assert "Traceback" not in said
     assert process.returncode == 130
     rows = history.read_text().splitlines()
     assert main(["run", case, "--resume"]) == 0

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import logging
+import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
+from multiprocessing.synchronize import Event
 from pathlib import Path
 
 from .cli_case import Case, folder_name, load_case
@@ -107,33 +110,52 @@ def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> di
 
 
 def _together(jobs: list[Job], count: int, report: Report) -> dict[str, str]:
-    """Run scenes in `count` processes; return the messages of those that stopped."""
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+    """Run scenes in `count` processes; return the messages of those that stopped.
+
+    Ctrl-C reaches this process only; the others stop after the step they are in.
+    """
+    context = get_context("spawn")
+    halt = context.Event()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the processes inherit this
+    with ProcessPoolExecutor(count, mp_context=context, initializer=_prepare, initargs=(halt,)) as pool:
         futures = {pool.submit(_alone, job): job for job in jobs}
+        signal.signal(signal.SIGINT, handler)
         running: set[Future[str]] = set(futures)
         try:
             while running:
                 done, running = wait(running, timeout=POLL)
-                for future, job in futures.items():
-                    rows = read_history(job.folder) if not future.done() or future in done else []
+                for future in [*done, *(f for f in running if f.running())]:
+                    rows = read_history(futures[future].folder)
                     if rows:
-                        report(job.name, rows[-1], int(sum(row["newton_iterations"] for row in rows)))
+                        spent = int(sum(row["newton_iterations"] for row in rows))
+                        report(futures[future].name, rows[-1], spent)
                 for future in done:
                     future.result()
         except BaseException:
+            halt.set()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
         return {job.name: future.result() for future, job in futures.items() if future.result()}
 
 
+_halt: list[Event] = []  # of this process, set by the one that started it
+
+
+def _prepare(halt: Event) -> None:
+    logging.getLogger("skfem").setLevel(logging.ERROR)
+    _halt.append(halt)
+
+
 def _alone(job: Job) -> str:
     """Run one scene in a process of its own; return why it stopped, or nothing."""
-    import logging
 
-    logging.getLogger("skfem").setLevel(logging.ERROR)
+    def heed(row: Row) -> None:
+        if any(halt.is_set() for halt in _halt):
+            raise KeyboardInterrupt
+
     scene = load_case(job.case).scenes(quick=job.quick, only=[job.name])[job.name]
     try:
-        simulate(scene, job.folder, resume=job.resume, overwrite=job.overwrite)
+        simulate(scene, job.folder, progress=heed, resume=job.resume, overwrite=job.overwrite)
     except SolveError as error:
         return str(error)
     return ""
