@@ -39,7 +39,7 @@ class EvolvingTuring:
     _: KW_ONLY
     pace: float = 1000.0
     dilution: bool = True
-    tolerance: float = 1e-3
+    tolerance: float = 1e-2
 
     reads: ClassVar[tuple[str, ...]] = ("displacement",)
     writes: ClassVar[tuple[str, ...]] = ("activator", "inhibitor", "pattern", "band_displacement")

@@ -1,0 +1,164 @@
+"""Error against run time of every integrator of the Turing system, scipy's as peers, on two meshes. About 3
+min.
+
+    turingfold run cases/turing_accuracy.py      draws figures/turing_accuracy.png
+
+Band problem A: Schnakenberg's kinetics on the band of the semi-circle, 12 half waves, from
+u = 1 + 0.05 cos 12θ to t = 50. Errors in time: largest over the nodes, relative, against a run at tolerance
+1e-9 on the same linear elements with lumped mass, which make the system an ordinary one that scipy can take,
+with its sparse Jacobian. Times: medians of three runs. Errors in space: steady states against a spectral
+solution, at the apex.
+"""
+
+from functools import partial
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.sparse import diags_array
+
+from turingfold import Elastic, NeoHookean, Scene, Schnakenberg, Stepping, Turing, semicircle
+from turingfold.turing.bdf import march_bdf
+from turingfold.turing.imex import SCHEMES, fastest_reaction, march_imex
+from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
+from turingfold.turing.rosenbrock import RODAS4, ROS34PW2, march
+from turingfold.turing.steady import settle
+
+RADIUS, THICKNESS = 0.0404, 2.5e-3
+D_U = 0.00207680687228251 * RADIUS**2  # makes 12 half waves the fastest mode
+# spectral steady state at a peak: u and v at the pial surface, u at the interface
+PEAK = (1.43889924415, 0.71326159766, 1.43621625583)
+END, REPEATS = 50.0, 3
+MESHES = {"elements of T/3": 3, "elements of T/8": 8}
+QUICK = {"elements of T/1": 1, "elements of T/2": 2}
+
+
+def scenes(quick=False):
+    gray = NeoHookean.from_young(1389.0, 0.4583)
+    found = {}
+    for name, across in (QUICK if quick else MESHES).items():
+        body = semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / across)
+        found[name] = Scene(
+            body=body,
+            processes=(Turing(Schnakenberg(), half_waves=12),),
+            terms=(Elastic(gray=gray, white=gray),),
+            stepping=Stepping(first=1.0, largest=1.0),
+        )
+    return found
+
+
+def problem(body, degree, **options):
+    """Return band problem A on a body and its start."""
+    space = discretise(body.cortex.mesh, degree, **options)
+    system = ReactionDiffusion(space, Schnakenberg(), D_U, 10 * D_U)
+    start = system.uniform(1.0, 0.9)
+    start[0] += 0.05 * np.cos(12 * np.arctan2(space.nodes[1], space.nodes[0]))
+    return system, start
+
+
+def last(moments):
+    for moment in moments:
+        end = moment
+    return end.state
+
+
+def peer(method, system, start, tolerance):
+    """Return the end of scipy's run of the same system, M⁻¹ applied, which is possible for a lumped mass."""
+    inverse = 1 / system.space.weights
+    scale = diags_array(-np.repeat(inverse, 2))
+
+    def rate(time, y):
+        return (system.rate(y.reshape(-1, 2).T) * inverse).T.ravel()
+
+    def jacobian(time, y):
+        return scale @ system.matrix(y.reshape(-1, 2).T)
+
+    found = solve_ivp(rate, (0, END), start.T.ravel(), method, jac=jacobian, rtol=tolerance, atol=tolerance)
+    return found.y[:, -1].reshape(-1, 2).T
+
+
+def methods(system, start, end):
+    """Return for each method the runs to measure, from coarse to fine."""
+    fastest = max(fastest_reaction(system, state) for state in (start, end))  # the pattern reacts faster
+    tolerances = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+    longest = {name: 0.4 * s.reaction_limit / fastest for name, s in SCHEMES.items()}
+    imex = {
+        name: [
+            partial(march_imex, until=END, scheme=scheme, step=longest[name] / 3.0**k)
+            for k in range(3 if scheme.order > 1 else 4)
+        ]
+        for name, scheme in SCHEMES.items()
+    }
+    adaptive = {
+        "RODAS4 (default)": [partial(march, until=END, tolerance=t, tableau=RODAS4) for t in tolerances],
+        "ROS34PW2": [partial(march, until=END, tolerance=t, tableau=ROS34PW2) for t in tolerances[:4]],
+        "BDF": [partial(march_bdf, until=END, tolerance=t) for t in (*tolerances[1:], 1e-7)],
+    }
+    ours = {
+        name: [lambda run=run: last(run(system, start)) for run in runs]
+        for name, runs in (adaptive | imex).items()
+    }
+    peers = {
+        f"scipy {name}": [partial(peer, name, system, start, t) for t in limits]
+        for name, limits in {"BDF": (1e-4, 1e-5, 1e-6, 1e-7), "Radau": (1e-3, 1e-4, 1e-5)}.items()
+    }
+    return ours | peers
+
+
+def measure(run, exact, repeats):
+    """Return the median time of a run and its relative error."""
+    times = []
+    for _ in range(repeats):
+        before = perf_counter()
+        end = run()
+        times.append(perf_counter() - before)
+    return median(times), np.abs(end - exact).max() / np.abs(exact).max()
+
+
+def spatial_errors(degree, sizes):
+    """Return nodes and errors of the steady state at the apex for several element sizes."""
+    nodes, errors = [], []
+    for across in sizes:
+        body = semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / across)
+        system, start = problem(body, degree)
+        state = settle(system, start).state
+        x, y = system.space.nodes
+        apex, inner = (int(np.hypot(x, y - top).argmin()) for top in (RADIUS, RADIUS - THICKNESS))
+        found = np.array([*state[:, apex], state[0, inner]])
+        nodes.append(system.space.size)
+        errors.append(np.abs(found - PEAK).max())
+    return nodes, errors
+
+
+def draw(results, figure):
+    figure.set_size_inches(15, 6)
+    panels = figure.subplots(1, 3)
+    sizes = []
+    for axes, (name, result) in zip(panels, results.items(), strict=False):
+        body = result.scene.body
+        sizes.append(round(body.thickness / np.diff(body.pial_arc[::2]).mean()))
+        system, start = problem(body, 1, lumped=True)
+        exact = last(march(system, start, until=END, tolerance=1e-9))
+        for k, (label, runs) in enumerate(methods(system, start, exact).items()):
+            repeats = REPEATS if system.space.size > 500 else 1
+            points = np.array([measure(run, exact, repeats) for run in runs])
+            style = "o-" if k < 3 else ("x--" if label.startswith("scipy") else ".:")
+            axes.loglog(*points.T, style, color=f"C{k % 10}" if k < 10 else "k", label=label, markersize=6)
+        axes.set_title(f"{name}, {system.space.size} nodes: error in time")
+        axes.set_xlabel("run time (s)")
+        axes.set_ylabel("relative error at t = 50")
+        axes.grid(alpha=0.3)
+    panels[0].legend(fontsize=7, ncol=2)
+    largest = max(sizes)
+    for degree, colour in ((1, "#d55e00"), (2, "#0072b2")):
+        nodes, errors = spatial_errors(degree, [n for n in (1, 2, 4, 8) if n <= largest])
+        panels[2].loglog(nodes, errors, "o-", color=colour, label=f"P{degree}")
+        rate = 2 * np.log(errors[-2] / errors[-1]) / np.log(nodes[-1] / nodes[-2])
+        words, at = f"order {rate:.1f}", (nodes[-1], errors[-1])
+        panels[2].annotate(words, at, xytext=(-40, 8), textcoords="offset points")
+    panels[2].set_title("error of the steady state in space")
+    panels[2].set_xlabel("nodes")
+    panels[2].set_ylabel("largest error at the apex")
+    panels[2].grid(alpha=0.3)
+    panels[2].legend()
