@@ -41,6 +41,7 @@ from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length
 from .outlines.build import outline as outline
 from .outlines.read import read_outline as read_outline
+from .outlines.retrace import retraced as retraced
 from .output.files import CorruptFileError as CorruptFileError
 from .output.files import OutputError as OutputError
 from .results import Result as Result
@@ -54,6 +55,7 @@ from .scene import Scene as Scene
 from .scene import SolveError as SolveError
 from .scene import State as State
 from .scene import Stepping as Stepping
+from .swelling import SurfaceSwelling as SurfaceSwelling
 from .tension import AxonalTension as AxonalTension
 from .turing.concentrations import Brusselator as Brusselator
 from .turing.concentrations import GiererMeinhardt as GiererMeinhardt
