@@ -5,7 +5,7 @@ s.
 
 The two-layer gel experiment: a core with 1, 4 or 8 coats, each 0.025 of the radius thick, put into solvent
 for 1.5 h (t = 1). The solvent reaches depth y as erfc(y/√(4 D t)) with D = 0.02 radius² per 1.5 h, that is
-1e-9 m²/s for a radius of 16 mm; a wet coat doubles its lengths. Same moduli for coat and core (mu = 1, kappa
+1e-9 m²/s for a radius of 16 mm; a wet coat is 2.5 times as long. Same moduli for coat and core (mu = 1, kappa
 = 5): our choices.
 """
 
@@ -21,8 +21,9 @@ def scenes(quick=False):
     found = {}
     for coats, layers in LAYERS.items():
         thickness = coats * COAT
-        body = semicircle(radius=1.0, thickness=thickness, size=thickness / (2 if quick else layers), base="roller")
-        processes = (SurfaceSwelling(final=2.0, diffusivity=0.02), Imperfection(amplitude=0.02))
+        size = thickness / (2 if quick else layers)
+        body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller")
+        processes = (SurfaceSwelling(final=2.5, diffusivity=0.02), Imperfection(amplitude=0.005))
         terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
         name = f"{coats} coats" if coats > 1 else "1 coat"
         found[name] = Scene(body=body, processes=processes, terms=terms, until=0.01 if quick else 1.0)
@@ -30,10 +31,11 @@ def scenes(quick=False):
 
 
 def draw(results, figure):
-    shown, notes = {}, {}
+    shown = {}
     for name, result in results.items():
         for minutes in (30, 90):
             title = f"{name}, {minutes} min"
             shown[title] = result, panels.nearest_step(result, result.scene.until * minutes / 90)
-    for axes, (result, _) in zip(panels.grid(figure, shown, columns=2, notes=notes), shown.values(), strict=True):
+    drawn = panels.grid(figure, shown, columns=2)
+    for axes, (result, _) in zip(drawn, shown.values(), strict=True):
         panels.before(axes, result)

@@ -34,6 +34,8 @@ def scenes(quick=False):
 
 def draw(results, figure):
     result = results["continuous"]
-    until = result.scene.until
-    ages = {f"P{day}": panels.nearest_step(result, growth_time(day, duration=until)) for day in (0, 4, 8, 16, 32)}
-    panels.grid(figure, {age: (result, step) for age, step in ages.items()}, columns=5, width=2.6)
+    shown = {}
+    for day in (0, 4, 8, 16, 32):
+        time = growth_time(day, duration=result.scene.until)
+        shown[f"P{day}"] = result, panels.nearest_step(result, time)
+    panels.grid(figure, shown, columns=5, width=2.6)

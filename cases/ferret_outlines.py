@@ -20,7 +20,8 @@ from turingfold.growth import RateGrowth
 from turingfold.outlines import outline, read_outline
 from turingfold.zones import HalfPlane, Zone
 
-FOLDER = Path(os.environ.get("FERRET_OUTLINES", Path(__file__).parents[2] / "shared" / "reference" / "ferret"))
+BESIDE = Path(__file__).parents[2] / "shared" / "reference" / "ferret"
+FOLDER = Path(os.environ.get("FERRET_OUTLINES", BESIDE))
 UNTIL = {"left": 0.447, "right": 0.362}  # where the perimeter has grown by 1.551 and 1.354
 PUBLISHED = {"left": 1.401, "right": 1.233}  # gyrification index of stage 4
 BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
@@ -48,11 +49,11 @@ def draw(results, figure):
         start, end = result.scene.body.pial_curve.length, perimeter(result.pial())
         shown[f"{side}, P0"] = result, 0
         shown[f"{side}, grown"] = result, -1
-        notes[f"{side}, grown"] = f"perimeter × {end / start:.3f}, stage 4: GI {PUBLISHED[side]:.3f} (dotted)"
+        notes[f"{side}, grown"] = f"perimeter {end / start:.3f} of P0, stage 4: GI {PUBLISHED[side]:.3f} (dotted)"
     drawn = panels.grid(figure, shown, columns=4, notes=notes, width=2.6)
     for axes, side in zip(drawn[1::2], results, strict=True):
-        published = section(side, 4)
-        axes.plot(*np.concatenate([published, published[:, :1]], axis=1), ":", color=panels.INK, linewidth=0.8)
+        x, y = section(side, 4)
+        axes.fill(x, y, fill=False, linestyle=":", edgecolor=panels.INK, linewidth=0.8)
 
 
 def perimeter(points):

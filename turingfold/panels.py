@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Array, add_up
 from .body import Body
 from .results import Result, along_pial, pial_closed
 
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 WHITE, GRAY, INK = "#f3e9dc", "#b9887f", "#3b2626"
 # of a quadratic triangle: four straight ones
@@ -24,13 +23,13 @@ MIDDLES = np.array([(0, 1), (1, 2), (0, 2)])  # corners beside the nodes 3, 4, 5
 
 
 def layers(axes: Axes, result: Result, step: int = -1) -> None:
-    """Draw the deformed body, shaded by growth: the cortex dark, tissue that does not grow light."""
+    """Draw the deformed body, dark where tissue grows in the course of the run, light where it does not."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.tri import Triangulation
 
     body, state = result.scene.body, result.states[step]
     shades = LinearSegmentedColormap.from_list("tissue", [WHITE, GRAY])
-    values = _at_nodes(body, _share(result, step))
+    values = _at_nodes(body, _share(result))
     points = body.nodes + state["displacement"]
     corners = body.triangles[PARTS].transpose(0, 2, 1).reshape(-1, 3)
     for sign in (1.0, -1.0) if body.mirror else (1.0,):
@@ -111,11 +110,9 @@ def _box(result: Result, step: int) -> tuple[Array, Array]:
     return low - margin, high + margin
 
 
-def _share(result: Result, step: int) -> Array:
-    """Return growth in units of the largest at that time, or the cortex where nothing has grown yet, (q,
-    e).
-    """
-    body, state = result.scene.body, result.states[step]
+def _share(result: Result) -> Array:
+    """Return the growth at the end in units of the largest, or the cortex where nothing grows, (q, e)."""
+    body, state = result.scene.body, result.last
     extra = np.log(state["growth"][0]) if "growth" in state else np.zeros_like(body.quadrature.weights)
     if np.ptp(extra) < 1e-6:
         return np.broadcast_to(body.in_cortex.astype(float), extra.shape)
@@ -126,8 +123,8 @@ def _at_nodes(body: Body, values: Array) -> Array:
     """Return values (q, e) averaged at the corners, and at the edge middles the mean of two corners, (n,)."""
     weights = body.quadrature.weights * (1e-12 + np.maximum(body.quadrature.shapes[:3], 0.0)[:, :, None])
     count, corners = body.nodes.shape[1], body.triangles[:3]
-    total = np.bincount(corners.ravel(), weights.sum(1).ravel(), minlength=count)
-    found = np.bincount(corners.ravel(), (weights * values).sum(1).ravel(), minlength=count)
+    total = add_up(corners, weights.sum(1), count)
+    found = add_up(corners, (weights * values).sum(1), count)
     means = np.asarray(found / np.where(total > 0, total, 1.0))
     means[body.triangles[3:]] = means[body.triangles[MIDDLES]].mean(1)
     return means
