@@ -18,8 +18,8 @@ from .cli_case import Case, folder_name, load_case
 from .cli_figure import figure_path, save_figure
 from .cli_status import STOPPED
 from .output.history import read_history
-from .results import Result, load
-from .run import Row, simulate
+from .results import Result, Row, load
+from .run import simulate
 from .scene import Scene, SolveError
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far

@@ -6,17 +6,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .body import Body
+from .arrays import Array, Integers, add_up
+from .body import Body, Booleans
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
 
 MM = 1e3
 CORE, INK = "#e8e6e1", "#333333"
@@ -52,7 +48,7 @@ def at_nodes(body: Body, values: Array, layer: Booleans) -> Array:
     extrapolated = BARYCENTRIC.T @ np.linalg.lstsq(at_points.T, values[:, layer], rcond=None)[0]
     nodes, n = body.triangles[:, layer].ravel(), body.nodes.shape[1]
     count = np.bincount(nodes, minlength=n)
-    return np.asarray(np.bincount(nodes, extrapolated.ravel(), minlength=n) / np.maximum(count, 1))
+    return np.asarray(add_up(nodes, extrapolated, n) / np.maximum(count, 1))
 
 
 def colour_limits(values: Array, weights: Array, *, centred: bool) -> tuple[float, float]:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import expit
 
+from .arrays import Array
 from .body import Body
 from .checks import between, finite, one_of, positive
 from .histories import History, Linear
 from .scene import InadmissibleStateError, State
 from .zones import Zone, checked_zones, gain, local_thickness
-
-Array = NDArray[np.float64]
 
 OUT_OF_PLANE = ("fixed", "tangential")
 LAYERS = ("sigmoid", "sharp")
@@ -55,7 +53,7 @@ class TangentialGrowth:
     swelling_core: float = 1.0
     out_of_plane: str = "fixed"
     layers: str = "sigmoid"
-    history: History = Linear()
+    history: History = field(default_factory=Linear)
     modulation: float = 0.0
     radial_cortex: float = 1.0
     zones: tuple[Zone, ...] = ()
@@ -175,9 +173,8 @@ def tensor(
     growth = np.stack([along, across, out])
     if not growth.min() > 0:
         raise InadmissibleStateError(
-            f"{name}: the growth factor reaches {growth.min():.3g} at t = {time:.4g}, but must stay "
-            f"positive; use "
-            "factors closer to 1, a shorter run, or a history that levels off.",
+            f"{name}: the growth factor is {growth.min():.3g} at t = {time:.4g}, but must stay positive; "
+            "use factors closer to 1, a shorter run, or a history that levels off.",
             time=time,
         )
     return {"growth": growth}
@@ -189,8 +186,7 @@ def thinned(thinning: float, time: float) -> float:
     if not left > 0:
         raise InadmissibleStateError(
             f"thinning={thinning:g} leaves no cortex at t = {time:.4g}; it must be less than {1 / time:.4g} "
-            f"for a "
-            "run of that length.",
+            "for a run of that length.",
             time=time,
         )
     return left

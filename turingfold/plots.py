@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .body import Body
 from .checks import one_of
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 VERMILION = "#d55e00"
 FIELDS = {

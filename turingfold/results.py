@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Array
 from .body import Body
 from .scene import Scene, State
 
-Array = NDArray[np.float64]
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
 

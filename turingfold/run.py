@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .checks import whole
 from .mechanics.march import Progress, Step, begin, march
-from .results import Result, along_pial, growth, observe, pial_closed
+from .results import FilePath, Result, Row, along_pial, growth, observe, pial_closed
 from .scene import NotConvergedError, Scene, SolveError, State
 
 if TYPE_CHECKING:
     from .output.folder import ResultFolder
-
-Array = NDArray[np.float64]
-Row = dict[str, float]
-FilePath = str | os.PathLike[str]
 
 CHECKPOINT = 1.0  # s between checkpoints
 

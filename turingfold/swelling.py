@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfc
 
+from .arrays import Array
 from .body import Body
 from .checks import one_of, positive
 from .growth import OUT_OF_PLANE, cortex_indicator
 from .scene import State
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Array
 from .body import Body
 from .checks import between, finite, finite_array, one_of, positive
-
-Array = NDArray[np.float64]
 
 RAMPS = ("smooth", "straight")
 
@@ -104,7 +102,8 @@ class Window:
         between("end", self.end, 0.0, 1.0)
         if not self.start < self.end:
             raise ValueError(f"start={self.start:g} must be less than end={self.end:g}; exchange them.")
-        positive("edge", self.edge, at_most=0.5000001 * (self.end - self.start), remedy="both ramps must fit in")
+        most = 0.5000001 * (self.end - self.start)
+        positive("edge", self.edge, at_most=most, remedy="both ramps must fit in")
         one_of("ramp", self.ramp, RAMPS)
 
     def share(self, body: Body) -> Array:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arrays import Array
 from .folds import Folds, find_folds, wavelength_spectrum
 from .fourier import ORDERS, reconstruction_error
-from .polyline import Array, Polyline, as_polyline
+from .polyline import Polyline, as_polyline
 from .shape import signed_curvature
 from .similarity import aligned, similarity
 from .walls import self_intersections

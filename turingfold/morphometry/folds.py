@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array, Integers
 from ..checks import positive
-from .polyline import Array, Integers, Polyline, as_polyline, signed_distance
+from .polyline import Polyline, as_polyline, signed_distance
 
 PROMINENCE = 0.005  # least depth of a sulcus over the radius of the body: some 0.05 to 0.08 of the thickness
 PLATEAU = 0.1  # heights closer than this part of the prominence are one crest or one floor

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import whole
-from .polyline import Array, Polyline, as_polyline
+from .polyline import Polyline, as_polyline
 
 ORDERS = (5, 15, 25)  # the orders of Choi et al. 2025
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import finite_array, whole
-from .polyline import Array, Polyline, as_polyline, signed_distance
+from .polyline import Polyline, as_polyline, signed_distance
 
 UNMOVED = 1e-9  # fold height over the radius of the body below which there are no folds
 

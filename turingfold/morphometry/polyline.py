@@ -12,13 +12,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
 
+from ..arrays import Array, Integers
 from ..checks import finite_array, whole
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 FEWEST_POINTS = 8
 FINE = 2000  # pieces at least that a curve is cut into where distances to it are wanted

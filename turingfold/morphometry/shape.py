@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import positive
 from .folds import find_folds
-from .polyline import Array, Polyline, as_polyline, signed_distance
+from .polyline import Polyline, as_polyline, signed_distance
 
 
 def gyrification_index(points: Any, *, initial: Any = None, closed: bool | None = None) -> float:

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array, Integers
 from ..checks import positive, whole
-from .polyline import FEWEST_POINTS, Array, Integers, Polyline, as_polyline, fractions, spline_points
+from .polyline import FEWEST_POINTS, Polyline, as_polyline, fractions, spline_points
 from .shape import mean_curvature
 
 THICKNESS = 0.1  # default cortical thickness over the radius of the body (ferret, R/T = 10)

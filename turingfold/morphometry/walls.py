@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..arrays import Array, Integers
 from ..checks import finite_array, positive
-from .polyline import Array, Integers, Polyline, as_polyline
+from .polyline import Polyline, as_polyline
 
 LONG = 4.0  # segments longer than this many medians are tested against all others
 OPPOSED = -0.5  # cosine between the normals of two walls that face each other

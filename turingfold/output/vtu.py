@@ -8,12 +8,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..body import Body
 from ..scene import State
-
-Array = NDArray[np.float64]
 
 
 def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
