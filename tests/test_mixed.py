@@ -15,7 +15,7 @@ from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
 from turingfold.mechanics.minimise import ARMIJO, SHORTEST, Minimiser
 from turingfold.mechanics.mixed import MixedOperator
-from turingfold.mechanics.rays import Inner, rays
+from turingfold.mechanics.rays import Inner, rays, reached
 from turingfold.scene import InadmissibleStateError, NotConvergedError, Scene, State, Stepping
 from turingfold.tension import DeadTension
 
@@ -37,12 +37,12 @@ class RayMinimiser(Minimiser):
             raise NotConvergedError("the Newton direction leads uphill", residual=residual)
         along = rays(potentials, at, x, direction, decrease)
         step = min(ray.longest for ray in along)
-        merit, fall = sum(ray.start for ray in along), sum(ray.slope for ray in along)
+        merit, fall = sum(ray.start for ray in along), decrease + sum(ray.excess for ray in along)
         noise = sum(e.grain for e in at)
         while step > SHORTEST:
-            there = [pair for pair in (ray.at(step) for ray in along) if pair is not None]
-            if len(there) == len(along) and sum(m for m, _ in there) <= merit + ARMIJO * step * fall + noise:
-                return x + step * direction, [e for _, e in there]
+            there = reached(along, step)
+            if there is not None and there[0] <= merit + ARMIJO * step * fall + noise:
+                return x + step * direction, there[1]
             step *= 0.5
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
 

@@ -6,17 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from ..arrays import Array
 from ..scene import Evaluation, NotConvergedError, Potential, Scene, State
 from .inertia import Indefinite, symmetric
 from .linear import Gatherer, Pattern
 from .march import begin
-from .rays import evaluations, rays
-
-Array = NDArray[np.float64]
+from .rays import evaluations, rays, reached
 
 STRAY = 1.0  # a correction larger than this share of the step itself has left the base path
 ITERATIONS = 15  # of Newton's method on the base path; it needs four or five
@@ -161,9 +159,8 @@ def _moved(
     along = rays(potentials, at, x, direction, decrease)
     step = min(ray.longest for ray in along)
     while step > 1e-3:
-        there = [ray.at(step) for ray in along]
-        found = [pair[1] for pair in there if pair is not None]
-        if len(found) == len(there):
-            return x + step * direction, found
+        there = reached(along, step)
+        if there is not None:
+            return x + step * direction, there[1]
         step *= 0.5
     raise NotConvergedError("the Newton direction leaves the admissible states at once")

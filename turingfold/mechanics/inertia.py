@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
+from ..arrays import Array, Integers
 from ..scene import NotConvergedError
 from .linear import Pattern
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def negative_pivots(pattern: Pattern, values: Array) -> int:

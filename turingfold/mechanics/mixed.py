@@ -21,15 +21,13 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..body import Body
 from ..scene import InadmissibleStateError, State
 from .elastic import Metric, _first_loss, metric
 from .mixed_evaluation import MixedEvaluation
 from .mixed_points import deformation, kinematics, points_on, von_mises
-
-Array = NDArray[np.float64]
 
 
 class MixedOperator:

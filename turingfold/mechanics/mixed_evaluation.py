@@ -6,15 +6,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..scene import Hessian
 from .mixed_points import Kinematics, Law, kinematics, law, tangents
 
 if TYPE_CHECKING:
     from .mixed import MixedPotential
-
-Array = NDArray[np.float64]
 
 NODES = np.r_[0:6, 7:13]  # unknowns of an element: six nodes and the bubble, first component first
 BUBBLE = np.array([6, 13])
@@ -211,7 +209,7 @@ class MixedRay:
         ratio = (potential.mu / potential.kappa).max(0)
         self._epsilon = np.maximum(needed, np.minimum(1.0, PENALTY * ratio))
         self.start = self._merit(start)
-        self.slope = float(start.gradient()[0] @ direction + ((1 - self._epsilon) * stiff).sum())
+        self.excess = float(((1 - self._epsilon) * stiff).sum())
         self.longest = potential.longest(start.at.H, direction, self._bubble)
 
     def _merit(self, at: MixedEvaluation) -> float:

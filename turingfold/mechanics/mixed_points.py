@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Basis, ElementTriP2
 
+from ..arrays import Array
 from ..body import Body, Quadrature
 from .convexity import negative_part
 from .elastic import Metric
-
-Array = NDArray[np.float64]
 
 ORDER = 6
 

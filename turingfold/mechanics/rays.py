@@ -11,23 +11,21 @@ from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..scene import Evaluation, Potential
-
-Array = NDArray[np.float64]
 
 
 class Ray(Protocol):
-    """One potential along x + s d: merit and its slope at s = 0, and the longest admissible step."""
+    """One potential along x + s d."""
 
     @property
     def start(self) -> float:
         """Merit at s = 0."""
 
     @property
-    def slope(self) -> float:
-        """Derivative of the merit at s = 0."""
+    def excess(self) -> float:
+        """By how much the slope of the merit at s = 0 exceeds that of the energy."""
 
     @property
     def longest(self) -> float:
@@ -48,11 +46,12 @@ class Inner(Protocol):
 class Straight:
     """The ray of a potential without inner unknowns: its energy is the merit."""
 
+    excess = 0.0
+
     def __init__(self, potential: Potential, at: Evaluation, x: Array, direction: Array) -> None:
-        """Compute slope and step bound."""
+        """Compute the step bound."""
         self._potential, self._x, self._direction = potential, x, direction
         self.start = at.energy
-        self.slope = float(at.gradient()[0] @ direction)
         self.longest = potential.largest_step(x, direction)
 
     def at(self, step: float) -> tuple[float, Evaluation] | None:
@@ -69,6 +68,13 @@ def rays(
         e.along(direction, decrease) if isinstance(e, Inner) else Straight(p, e, x, direction)
         for p, e in zip(potentials, at, strict=True)
     ]
+
+
+def reached(along: Sequence[Ray], step: float) -> tuple[float, list[Evaluation]] | None:
+    """Return the sum of the merits and the evaluations at s = step, or None where one energy is infinite."""
+    there = [ray.at(step) for ray in along]
+    found = [pair for pair in there if pair is not None]
+    return None if len(found) < len(there) else (sum(merit for merit, _ in found), [at for _, at in found])
 
 
 def evaluations(potentials: Sequence[Potential], x: Array) -> list[Evaluation] | None:
