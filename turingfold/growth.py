@@ -173,7 +173,7 @@ def tensor(
     growth = np.stack([along, across, out])
     if not growth.min() > 0:
         raise InadmissibleStateError(
-            f"{name}: the growth factor is {growth.min():.3g} at t = {time:.4g}, but must stay positive; "
+            f"{name}: the growth factor reaches {growth.min():.3g} at t = {time:.4g} but must be positive; "
             "use factors closer to 1, a shorter run, or a history that levels off.",
             time=time,
         )
