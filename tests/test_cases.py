@@ -16,20 +16,25 @@ CASES = sorted((Path(__file__).parent.parent / "cases").glob("*.py"))
 FIRST = "figure3"  # the one that is run to its end here; the others are slow
 
 
-@pytest.fixture(params=CASES, ids=lambda path: path.stem)
-def case(request):
-    return load_case(request.param)
+def slow_if_long(path):
+    """Mark the families that take a while to build their scenes, or to start them."""
+    long = path.stem.startswith(("ferret", "turing"))
+    return pytest.param(path, id=path.stem, marks=pytest.mark.slow if long else ())
 
 
-def test_a_case_says_what_it_is_and_how_to_run_it(case):
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_a_case_says_what_it_is_and_how_to_run_it(path):
+    case = load_case(path)
     assert case.title.endswith((" s.", " min.", " h."))  # the run time
-    assert f"turingfold run cases/{case.path.name}" in case.module.__doc__
+    assert f"turingfold run cases/{path.name}" in case.module.__doc__
     assert case.draw is not None
 
 
-def test_scenes_start_and_can_be_stored(case):
-    full, quick = case.scenes(quick=False), case.scenes(quick=True)
-    assert quick.keys() <= full.keys()  # a quick version may leave scenes out
+@pytest.mark.parametrize("path", map(slow_if_long, CASES))
+def test_scenes_start_and_can_be_stored(path):
+    case = load_case(path)
+    quick = case.scenes(quick=True)
+    assert case.scenes(quick=False)
     name, scene = next(iter(quick.items()))
     document, arrays = stored(scene)
     again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays, known=case.known)

@@ -38,8 +38,8 @@ class Case:
 
     @property
     def title(self) -> str:
-        """First line of its docstring."""
-        return (self.module.__doc__ or "").strip().partition("\n")[0]
+        """First paragraph of its docstring, as one line."""
+        return " ".join((self.module.__doc__ or "").strip().partition("\n\n")[0].split())
 
     @property
     def known(self) -> tuple[Any, ...]:
