@@ -30,7 +30,7 @@ def test_a_case_says_what_it_is_and_how_to_run_it(path):
     assert case.draw is not None
 
 
-@pytest.mark.parametrize("path", map(slow_if_long, CASES))
+@pytest.mark.parametrize("path", [slow_if_long(path) for path in CASES])
 def test_scenes_start_and_can_be_stored(path):
     case = load_case(path)
     quick = case.scenes(quick=True)
