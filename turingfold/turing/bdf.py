@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import positive
 from ..scene import NotConvergedError
-from .kinetics import Array
 from .linear import Solver
 from .reaction_diffusion import ReactionDiffusion
 from .rosenbrock import ErrorNorm, Moment, reaction_time

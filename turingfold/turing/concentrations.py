@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .kinetics import Array, Four, Kinetics, Pair, Point, real_roots
+from ..arrays import Array
+from .kinetics import Four, Kinetics, Pair, Point, real_roots
 
 
 @dataclass(frozen=True)

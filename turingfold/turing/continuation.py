@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import positive
 from ..scene import NotConvergedError
-from .kinetics import Array
 from .modes import Mode
 from .reaction_diffusion import ReactionDiffusion
 from .stability import Conditions

@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 from skfem import MeshTri2
 
+from ..arrays import Array
 from ..body import Body
 from ..checks import positive
 from ..scene import NotConvergedError, State
-from .kinetics import Array
 from .process import Design, Turing, normalised, refuse_negative
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .rosenbrock import march

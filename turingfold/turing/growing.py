@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+from ..arrays import Array
 from ..checks import finite, positive, whole
-from .kinetics import Array, Four, Kinetics, Pair, Point
+from .kinetics import Four, Kinetics, Pair, Point
 from .reaction_diffusion import ReactionDiffusion
 from .rosenbrock import Moment, march
 

@@ -17,9 +17,9 @@ from functools import cached_property
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import positive
 from ..scene import InadmissibleStateError
-from .kinetics import Array
 from .linear import Solver
 from .reaction_diffusion import ReactionDiffusion
 from .rosenbrock import Moment

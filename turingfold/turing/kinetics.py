@@ -12,11 +12,10 @@ from dataclasses import fields
 from typing import ClassVar, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import finite, positive
 
-Array = NDArray[np.float64]
 Pair: TypeAlias = tuple[Array, Array]
 Four: TypeAlias = tuple[Array, Array, Array, Array]
 Point: TypeAlias = tuple[float, float]

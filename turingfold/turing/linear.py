@@ -13,15 +13,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
 from scipy.sparse import csc_array, csr_array, kron
 from scipy.sparse.csgraph import dijkstra, reverse_cuthill_mckee
 from scipy.sparse.linalg import SuperLU, splu
 
-from .kinetics import Array
+from ..arrays import Array, Integers
 
-Integers = NDArray[np.int64]
 Solver = Callable[[Array], Array]
 Blocks = tuple[Array, Array, Array, Array]
 

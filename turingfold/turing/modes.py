@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from .kinetics import Array
-from .linear import Integers, factorised
+from ..arrays import Array, Integers
+from .linear import factorised
 from .reaction_diffusion import Discretisation
 from .stability import Conditions, oriented
 

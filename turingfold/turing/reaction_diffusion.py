@@ -14,8 +14,9 @@ from scipy.sparse import csc_array, diags_array
 from skfem import Basis, ElementTriP1, ElementTriP2, MeshTri1, MeshTri2
 from skfem.models.poisson import laplace, mass
 
+from ..arrays import Array
 from ..checks import finite_array, positive
-from .kinetics import Array, Kinetics
+from .kinetics import Kinetics
 from .linear import Blocks, Pattern, Solver
 
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import positive
 from ..scene import NotConvergedError
-from .kinetics import Array
 from .reaction_diffusion import ReactionDiffusion
 
 

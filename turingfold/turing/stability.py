@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from ..arrays import Array
 from ..checks import finite_array, one_of, positive
-from .kinetics import Array, Kinetics, Point
+from .kinetics import Kinetics, Point
 
 NAN = float("nan")
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigs
 
+from ..arrays import Array
 from ..scene import NotConvergedError
-from .kinetics import Array
 from .reaction_diffusion import ReactionDiffusion
 from .rosenbrock import march
 

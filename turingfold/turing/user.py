@@ -8,8 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..arrays import Array
 from ..checks import finite_array, positive
-from .kinetics import Array, Four, Kinetics, Pair, Point
+from .kinetics import Four, Kinetics, Pair, Point
 
 Rate = Callable[[Array, Array], Array]
 Derivatives = Callable[[Array, Array], Four]
