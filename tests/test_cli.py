@@ -144,6 +144,7 @@ def test_several_scenes_get_a_line_each(written, capsys):
     assert lines[1].startswith("second one  growth 1.10")
 
 
+@pytest.mark.slow
 def test_scenes_in_processes(written, capsys):
     assert main(["run", written(TWO), "-j", "2"]) == 0
     assert capsys.readouterr().out.count("growth 1.") == 2

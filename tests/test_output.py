@@ -333,14 +333,24 @@ def test_a_killed_run_goes_on_to_the_last_bit(tmp_path, uninterrupted, kill):
     assert_same_result(out, uninterrupted)
 
 
-def test_a_damaged_checkpoint_falls_back_to_the_older_one(tmp_path, uninterrupted):
+def test_a_damaged_checkpoint_falls_back_to_the_older_one(tmp_path, uninterrupted, monkeypatch):
+    monkeypatch.setattr("turingfold.run.CHECKPOINT", 0.0)
     out = tmp_path / "out"
-    run(out, kill=11, status=-signal.SIGKILL)
-    newest = sorted(out.glob("checkpoint-*.npz"))[-1]
+    rows = []
+
+    def interrupt(row):
+        rows.append(row)
+        if len(rows) == 11:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(folding_scene(), out, progress=interrupt, frames=4)
+    older, newest = sorted(out.glob("checkpoint-*.npz"))
     newest.write_bytes(newest.read_bytes()[:-100])
-    done = run(out, resume=True)
-    assert f"{newest.name} is damaged" in done.stderr
-    assert "older state" in done.stderr
+    with pytest.warns(UserWarning, match=rf"{newest.name} is damaged.*older state"):
+        result = simulate(folding_scene(), out, resume=True, frames=4)
+    assert older.name == "checkpoint-000010.npz"
+    assert result.converged
     assert_same_result(out, uninterrupted)
 
 
