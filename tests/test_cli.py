@@ -243,6 +243,15 @@ def test_stability_prints_the_conditions(capsys):
     assert f"critical {((1 + 1.8**0.5) / 0.8) ** 2:.6g}"[:14] in capsys.readouterr().out
 
 
+def test_stability_on_a_body_names_its_modes(tmp_path, capsys):
+    figure = tmp_path / "s.png"
+    assert main(["stability", "Schnakenberg", "--half-waves", "24", "--figure", str(figure)]) == 0
+    assert " 24 half waves along" in capsys.readouterr().out
+    assert figure.stat().st_size > 10_000
+    assert main(["stability", "Schnakenberg", "--half-waves", "24", "--thickness", "-1"]) == 2
+    assert "thickness=-1" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

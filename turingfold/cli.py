@@ -76,6 +76,10 @@ def parser() -> argparse.ArgumentParser:
     stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
     stability.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="repeatable")
     stability.add_argument("--ratio", type=float, metavar="D", help="d_inhibitor / d_activator")
+    stability.add_argument("--half-waves", type=_at_least_one, metavar="N", help="on a semi-circle")
+    stability.add_argument("--radius", type=float, default=0.0404, metavar="M", help="of it, in m (0.0404)")
+    stability.add_argument("--thickness", type=float, default=2.5e-3, metavar="M", help="of cortex (0.0025)")
+    stability.add_argument("--figure", type=Path, metavar="PNG", help="draw the dispersion relation")
     stability.set_defaults(command=_stability)
 
     compare = commands.add_parser("compare", parents=[common], help="morphometry of two results side by side")
@@ -114,7 +118,7 @@ def _list(options: argparse.Namespace) -> int:
 def _stability(options: argparse.Namespace) -> int:
     from .cli_tools import stability
 
-    print(stability(options.kinetics, options.param, options.ratio))
+    print(stability(options))
     return 0
 
 

@@ -2,42 +2,64 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .cli_figure import save_figure
 
+if TYPE_CHECKING:
+    from .turing.kinetics import Kinetics
 
-def stability(kinetics: str, parameters: Iterable[str], ratio: float | None) -> str:
-    """Return the Turing conditions of a kinetics as text; raises ValueError for unknown names."""
+ELEMENTS = 4  # through the cortex
+
+
+def stability(options: argparse.Namespace) -> str:
+    """Return the Turing conditions of a kinetics as text, and with half waves the modes of a semi-circle.
+
+    Raises ValueError for unknown names and for half waves that the body cannot hold.
+    """
     from .checks import positive
+    from .geometry import semicircle
+    from .turing.report import stability_report
+
+    body = None
+    if options.half_waves is not None:
+        T = positive("thickness", options.thickness)
+        body = semicircle(radius=options.radius, thickness=T, size=T / ELEMENTS)
+    kinetics = _kinetics(options.kinetics, options.param)
+    report = stability_report(kinetics, options.ratio, body, options.half_waves or 1)
+    if options.figure is None:
+        return str(report)
+    with save_figure(options.figure) as canvas:
+        report.draw(canvas.add_subplot())
+    return f"{report}\nfigure: {options.figure}"
+
+
+def _kinetics(name: str, parameters: Iterable[str]) -> Kinetics:
     from .turing import concentrations, deviations
     from .turing.kinetics import Kinetics
-    from .turing.stability import conditions
 
     known = {
-        name: item
+        word: item
         for module in (concentrations, deviations)
-        for name, item in vars(module).items()
+        for word, item in vars(module).items()
         if isinstance(item, type) and issubclass(item, Kinetics) and item is not Kinetics
     }
-    if kinetics not in known:
-        raise ValueError(f"there are no kinetics {kinetics!r}; known are {', '.join(sorted(known))}.")
-    made = known[kinetics]
-    default = made()
+    if name not in known:
+        raise ValueError(f"there are no kinetics {name!r}; known are {', '.join(sorted(known))}.")
+    own = known[name]().parameters
     values = {}
     for text in parameters:
-        name, _, value = text.partition("=")
-        if name not in default.parameters:
-            raise ValueError(f"{kinetics} has no parameter {name!r}; it has {', '.join(default.parameters)}.")
+        word, _, value = text.partition("=")
+        if word not in own:
+            raise ValueError(f"{name} has no parameter {word!r}; it has {', '.join(own)}.")
         try:
-            values[name] = float(value)
+            values[word] = float(value)
         except ValueError as error:
             raise ValueError(f"--param {text} is not of the form NAME=VALUE with a number.") from error
-    chosen = made(**values)
-    d = positive("ratio", made.published_ratio if ratio is None else ratio)
-    found = conditions(chosen, 1.0, d)
-    return str(conditions(chosen, d, 1.0) if found.activator == "v" else found)
+    return known[name](**values)
 
 
 def compare(a: Path, b: Path, figure: Path | None) -> str:
