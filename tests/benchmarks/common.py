@@ -27,7 +27,7 @@ def growth_path(body: Body) -> Scene:
     )
 
 
-def brain(elements: int) -> Body:
+def brain(elements: float) -> Body:
     """Return the semi-circle with a clamped base and so many elements through its cortex."""
     return semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / elements)
 

@@ -73,8 +73,8 @@ def main() -> None:
             times[peer.name].append(theirs)
             ratios[peer.name].append(seconds / theirs)
             apart = np.abs(found - expected).max() / np.abs(expected).max()
-            print(f"turingfold {seconds:.2f} s, {iterations} iterations; {peer.name} {theirs:.2f} s, {others}")
-            print(f"  displacements differ by {apart:.1e}")
+            print(f"turingfold {seconds:.2f} s, {iterations} iterations")
+            print(f"{peer.name} {theirs:.2f} s, {others} iterations, displacement differs by {apart:.1e}")
             if not apart < 1e-6:
                 raise SystemExit(f"{peer.name} solves another problem: displacements differ by {apart:.2g}")
     for name, found in ratios.items():
