@@ -283,7 +283,7 @@ def membrane(n, rounds):
         near = np.min([np.hypot(centre[0] - a, centre[1] - b) for a, b in corners], axis=0)
         mesh = mesh.refined(np.flatnonzero(near < 12 * 0.5**k))
     sides = {"base": lambda x: x[0] < 1e-9, "pial": lambda x: x[0] > 48 - 1e-9}
-    return Body(mesh.with_boundaries(sides), 1.0)
+    return Body(mesh.with_boundaries(sides), 24.0)
 
 
 def bent(body, m):

@@ -37,16 +37,8 @@ class MixedEvaluation:
         self._given, self.pressure = pressure, self.own_pressure if pressure is None else pressure
         self.shear_energies = 0.5 * (weights * potential.mu * (at.I1 * at.shrink - 3.0)).sum(0)
         self.energies = self.shear_energies + 0.5 * (self.volume * self.own_pressure).sum(0)
-
-    @cached_property
-    def energy(self) -> float:
-        """E, J/m."""
-        return float(self.energies.sum())
-
-    @cached_property
-    def grain(self) -> float:
-        """Differences of energy below this are round-off."""
-        return 1e-15 * (abs(self.energy) + self.potential.rest)
+        self.energy = float(self.energies.sum())
+        self.grain = 1e-15 * (abs(self.energy) + potential.rest)
 
     @cached_property
     def _own_law(self) -> Law:
