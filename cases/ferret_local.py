@@ -27,10 +27,10 @@ CHANGES = {
 
 
 def scenes(quick=False):
-    size = THICKNESS / (2 if quick else 6)
-    body = semicircle(radius=1.0, thickness=THICKNESS, size=size, base="roller")
     found = {}
     for name, (growth, thickness) in CHANGES.items():
+        layers = 2 if quick else 4 if thickness == 1 else 5
+        body = semicircle(radius=1.0, thickness=THICKNESS, size=THICKNESS / layers, base="roller")
         zone = Zone(region=AROUND_APEX, growth=growth, thickness=thickness)
         processes = (RateGrowth(rate=RATE, zones=(zone,)), Imperfection(amplitude=0.02))
         found[name] = Scene(body=body, processes=processes, terms=TERMS, until=0.1 if quick else P32)

@@ -49,7 +49,8 @@ def draw(results, figure):
         start, end = result.scene.body.pial_curve.length, perimeter(result.pial())
         shown[f"{side}, P0"] = result, 0
         shown[f"{side}, grown"] = result, -1
-        notes[f"{side}, grown"] = f"perimeter {end / start:.3f} of P0, stage 4: GI {PUBLISHED[side]:.3f} (dotted)"
+        ratio, gi = end / start, PUBLISHED[side]
+        notes[f"{side}, grown"] = f"perimeter {ratio:.3f} of P0, stage 4: GI {gi:.3f} (dotted)"
     drawn = panels.grid(figure, shown, columns=4, notes=notes, width=2.6)
     for axes, side in zip(drawn[1::2], results, strict=True):
         x, y = section(side, 4)
