@@ -10,7 +10,7 @@ from skfem import MeshTri1
 
 from turingfold.body import Body
 from turingfold.geometry import semicircle
-from turingfold.growth import TangentialGrowth
+from turingfold.growth import RateGrowth, TangentialGrowth
 from turingfold.histories import Exponential
 from turingfold.mechanics.contact import SelfContact
 from turingfold.mechanics.dynamics import Drag, Inertia
@@ -273,6 +273,15 @@ def test_a_scene_refuses_what_does_not_fit(body):
     with pytest.raises(MissingFieldError, match="pattern") as failure:
         Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(modulation=0.5),))
     message_names(failure.value, "TangentialGrowth", "no earlier process writes")
+    with pytest.raises(ValueError, match="terms holds the class Elastic") as failure:
+        Scene(body=body, terms=(Elastic,))
+    message_names(failure.value, "write Elastic(...)")
+    with pytest.raises(ValueError, match="processes holds the class TangentialGrowth"):
+        Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth,))
+    with pytest.raises(ValueError, match="must be a Stepping object"):
+        Scene(body=body, terms=(SOLID,), stepping={"first": 0.1})
+    with pytest.raises(ValueError, match="'growth', which an earlier process has written"):
+        Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(), RateGrowth()))
 
 
 @pytest.mark.parametrize(
@@ -285,7 +294,8 @@ def test_a_scene_refuses_what_does_not_fit(body):
         ({"tolerance": float("nan")}, ("tolerance", "finite")),
         ({"iterations": 0}, ("iterations", "at least 1")),
         ({"seconds": 0.0}, ("seconds", "positive")),
-        ({"seconds": float("nan")}, ("seconds", "positive")),
+        ({"seconds": float("nan")}, ("seconds", "finite")),
+        ({"seconds": "60"}, ("seconds='60'", "finite")),
     ],
 )
 def test_bad_stepping_is_refused(options, words):

@@ -33,6 +33,13 @@ def between(name: str, value: Any, low: float, high: float, remedy: str = "") ->
     return number
 
 
+def instance(name: str, value: Any, kind: type, example: str) -> None:
+    """Refuse what is no instance of a class or protocol; a class itself is none."""
+    if isinstance(value, type) or not isinstance(value, kind):
+        shown = f"{value.__name__} (a class)" if isinstance(value, type) else repr(value)
+        raise ValueError(f"{name}={shown} must be a {kind.__name__} object, such as {example}.")
+
+
 def whole(name: str, value: Any, *, at_least: int, remedy: str = "") -> int:
     """Return value as an int if it is a whole number >= at_least."""
     if isinstance(value, bool) or not isinstance(value, Integral) or value < at_least:
@@ -49,9 +56,13 @@ def one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
 
 def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
     """Return value as a float array of the given shape (None: any length) without NaN or infinity."""
-    array = np.asarray(value, dtype=float)
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}={value!r} must be an array of numbers.") from error
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
-        wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"
+        lengths = ", ".join("n" if n is None else str(n) for n in shape)
+        wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"
         raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}.")
     if not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])

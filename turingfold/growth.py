@@ -9,7 +9,7 @@ from scipy.special import expit
 
 from .arrays import Array
 from .body import Body
-from .checks import between, finite, one_of, positive
+from .checks import between, finite, instance, one_of, positive
 from .histories import History, Linear
 from .scene import InadmissibleStateError, State
 from .zones import Zone, checked_zones, gain, local_thickness
@@ -64,8 +64,7 @@ class TangentialGrowth:
             positive(name, getattr(self, name), remedy="1 is no growth, 1.9 growth by 90 %")
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
         one_of("layers", self.layers, LAYERS)
-        if not isinstance(self.history, History):
-            raise ValueError(f"history={self.history!r} must be a history such as Linear() or Exponential().")
+        instance("history", self.history, History, "Linear() or Exponential()")
         if abs(finite("modulation", self.modulation)) > 1:
             raise ValueError(
                 f"modulation={self.modulation:g} must be between -1 and 1, or growth would shrink."

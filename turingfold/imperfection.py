@@ -36,13 +36,12 @@ def along_pial(body: Body, arc: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Imperfection:
-    """Noise that decides where an otherwise uniform cortex folds first; defined on arc length, not on
-    elements.
+    """Noise that decides where an otherwise uniform cortex folds first, on arc length, not on elements.
 
     of "growth": multiplies g_t - 1 (reads and rewrites "growth"; list it after the growth);
     of "stiffness": multiplies the moduli (writes "stiffness").  amplitude: standard deviation of the factor.
-    modes: the shortest wave length is 2 L/modes.  symmetric: mirror-symmetric about the apex; always so on a
-    half.
+    modes: the shortest wave length is 2 L/modes, for symmetric noise L/modes.  symmetric: about the apex;
+    always so on half a body.
     Raises ValueError for amplitudes outside [0, 0.3].
     """
 
@@ -63,14 +62,14 @@ class Imperfection:
 
     @property
     def writes(self) -> tuple[str, ...]:
-        """The field it changes, and the noise, (q, e)."""
-        return (self.of, "noise")
+        """The field it changes, and the noise that goes on changing growth, (q, e)."""
+        return ("growth", "noise") if self.of == "growth" else ("stiffness",)
 
     def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
         """Return the noise and the field changed by it."""
         values = noise(along_pial(body, body.arc), self.modes, seed, self.symmetric or body.mirror)
         if self.of == "stiffness":
-            return {"noise": values, "stiffness": np.maximum(0.1, 1.0 + self.amplitude * values)}
+            return {"stiffness": np.maximum(0.1, 1.0 + self.amplitude * values)}
         return {"noise": values, **self._grown(values, state)}
 
     def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:

@@ -14,11 +14,11 @@ from typing import Any, Protocol, runtime_checkable
 
 from .arrays import Array, Integers
 from .body import Body
-from .checks import positive, whole
+from .checks import instance, positive, whole
 
 
 class SolveError(RuntimeError):
-    """A solve that stopped; `time` says when, `growth` how far, the message what to try."""
+    """A solve that stopped; `time` says when, `residual` how far from balance, the message what to try."""
 
     def __init__(self, message: str, *, time: float = float("nan"), residual: float = float("nan")) -> None:
         super().__init__(message)
@@ -182,15 +182,16 @@ class Stepping:
                 "does not hold; put the three in this order."
             )
         whole("iterations", self.iterations, at_least=1)
-        if not self.seconds > 0:
-            raise ValueError(f"seconds={self.seconds!r} must be positive; leave it out for no limit.")
+        if self.seconds != float("inf"):
+            positive("seconds", self.seconds, remedy="leave it out for no limit")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """A body, the potential terms acting on it, and the processes that change it; only what is listed exists.
 
-    Raises MissingFieldError if a part reads a field that no earlier process writes, ValueError for the rest.
+    Raises MissingFieldError if a part reads a field that no earlier process writes, ValueError for a process
+    that would overwrite what an earlier one wrote, without reading it, and for the rest.
     """
 
     body: Body
@@ -201,7 +202,8 @@ class Scene:
     stepping: Stepping = Stepping()
 
     def __post_init__(self) -> None:
-        _of_type("body", self.body, Body)
+        instance("body", self.body, Body, "semicircle(radius=0.04, thickness=0.0025, size=0.001)")
+        instance("stepping", self.stepping, Stepping, "Stepping(largest=0.02)")
         object.__setattr__(self, "terms", _parts("terms", self.terms, Term))
         object.__setattr__(self, "processes", _parts("processes", self.processes, Process))
         positive("until", self.until)
@@ -211,6 +213,7 @@ class Scene:
         written = {"displacement", "stress_scale"}
         for part in self.processes:
             _written(part, part.reads, written)
+            _kept(part, written)
             written |= set(part.writes)
         for term in self.terms:
             _written(term, term.reads, written)
@@ -221,14 +224,11 @@ def stress_scale(terms: tuple[Term, ...]) -> float:
     return max((float(term.stress) for term in terms if hasattr(term, "stress")), default=1.0)
 
 
-def _of_type(name: str, value: Any, kind: type) -> None:
-    if not isinstance(value, kind):
-        raise ValueError(f"{name}={value!r} must be a {kind.__name__}, not a {type(value).__name__}.")
-
-
 def _parts(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
     listed: tuple[Any, ...] = tuple(parts) if isinstance(parts, (tuple, list)) else (parts,)
     for part in listed:
+        if isinstance(part, type):
+            raise ValueError(f"{name} holds the class {part.__name__}; write {part.__name__}(...) instead.")
         if not isinstance(part, kind):
             raise ValueError(
                 f"{name} holds {part!r}, which is no {kind.__name__}; "
@@ -243,4 +243,13 @@ def _written(part: object, reads: tuple[str, ...], written: set[str]) -> None:
             raise MissingFieldError(
                 f"{type(part).__name__} reads the field {name!r}, which no earlier process writes "
                 f"(written: {', '.join(sorted(written))}); add a process that writes it, before this part."
+            )
+
+
+def _kept(part: Process, written: set[str]) -> None:
+    for name in part.writes:
+        if name in written and name not in part.reads:
+            raise ValueError(
+                f"{type(part).__name__} writes the field {name!r}, which an earlier process has written; "
+                "leave one of the two out."
             )

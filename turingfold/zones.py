@@ -11,7 +11,7 @@ import numpy as np
 
 from .arrays import Array
 from .body import Body
-from .checks import between, finite, finite_array, one_of, positive
+from .checks import between, finite, finite_array, instance, one_of, positive
 
 RAMPS = ("smooth", "straight")
 
@@ -124,8 +124,7 @@ class Zone:
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.region, Region):
-            raise ValueError(f"region={self.region!r} must be a region such as Ellipse, Window or HalfPlane.")
+        instance("region", self.region, Region, "Ellipse(...), Window(...) or HalfPlane(...)")
         between("growth", self.growth, 0.0, 100.0, "0 is no growth, 1 no change")
         positive("thickness", self.thickness, at_most=10.0)
 
