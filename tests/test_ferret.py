@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from turingfold import (
     Elastic,
@@ -15,6 +16,7 @@ from turingfold import (
     SelfContact,
     Stepping,
     TangentialGrowth,
+    panels,
     semicircle,
     simulate,
 )
@@ -27,7 +29,7 @@ from turingfold.morphometry.shape import gyrification_index
 from turingfold.morphometry.walls import self_intersections
 from turingfold.outlines import outline
 from turingfold.outlines.retrace import retraced
-from turingfold.results import pial_closed
+from turingfold.results import Result, pial_closed
 from turingfold.scene import State
 
 CASES = Path(__file__).parents[1] / "cases"
@@ -150,6 +152,39 @@ def test_tracing_is_refused_for_open_surfaces_and_large_insets():
         retraced(body, still, size=0.1, inset=0.01)
     with pytest.raises(ValueError, match=r"inset=0\.2"):
         retraced(body, still, size=0.1, inset=0.2)
+
+
+def test_panels_show_name_numbers_and_note_on_one_scale():
+    terms, growth = (SOLID,), TangentialGrowth(cortex=1.2)
+    stepping = Stepping(first=0.5, largest=0.5)
+    result = simulate(Scene(body=brain(0.2, 2), terms=terms, processes=(growth,), stepping=stepping))
+    figure = Figure()
+    shown = {"start": (result, panels.nearest_step(result, 0.1)), "end": (result, -1)}
+    drawn = panels.grid(figure, shown, columns=2, notes={"end": "a note"})
+    assert [axes.get_title(loc="left") for axes in drawn] == ["$\\bf{a}$  start", "$\\bf{b}$  end"]
+    assert [axes.texts[0].get_text() for axes in drawn] == ["0 sulci, GI 1.00", "0 sulci, GI 1.00\na note"]
+    assert drawn[0].get_xlim() == drawn[1].get_xlim()
+    surfaces = [axes.lines[0].get_xydata() for axes in drawn]
+    assert np.hypot(*surfaces[0].T) == pytest.approx(1.0)
+    assert np.hypot(*surfaces[1].T).min() > 1.005
+    panels.before(drawn[1], result)
+    assert np.array_equal(drawn[1].lines[1].get_xydata(), surfaces[0])
+
+
+def test_panels_count_sulci_and_measure_them_in_thicknesses():
+    body = brain(0.1, 2)
+    x, y = body.nodes
+    angle = np.arctan2(y, x)
+    wavy = 0.06 * np.cos(10 * angle) * np.hypot(x, y)  # crests at the ends, fundi at π/10, 3π/10, ...
+    moved = State(1.0, {"displacement": wavy * np.stack([np.cos(angle), np.sin(angle)])})
+    result = Result(Scene(body=body, terms=(SOLID,)), (moved,), (), converged=True)
+    found = panels.numbers(result)
+    assert found.startswith("5 sulci, GI 1.0")
+    depth = float(found.split()[-2])
+    # the taut path over the fundus at π/10 is the tangent at right angles to that direction
+    fine = np.linspace(0.0, np.pi / 10, 2001)
+    tangent = ((1 + 0.06 * np.cos(10 * fine)) * np.cos(np.pi / 10 - fine)).max()
+    assert depth == pytest.approx((tangent - 0.94) / 0.1, abs=0.051)  # one digit is shown
 
 
 # whole cases

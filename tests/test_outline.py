@@ -241,6 +241,7 @@ def test_columns_are_read_with_any_separator(tmp_path, text):
         ("a.svg", "<svg><path d='M0 0A1 1 0 0 0 1 1'/></svg>", "'A' is not read"),
         ("a.svg", "<svg><path d='M0 0L1 1 2'/></svg>", "has 3 numbers"),
         ("a.svg", "<svg><path d=''/></svg>", "empty"),
+        ("a.svg", "<svg><path d='L0 1 2 3'/></svg>", "begins with 'L'"),
         ("a.svg", "<svg><polygon points='1 2 3'/></svg>", "pairs"),
         ("a.svg", "<svg transform='scale(2)'><path d='M0 0L1 1'/></svg>", "transform"),
     ],

@@ -131,9 +131,7 @@ def _edge_lengths(pial: Line, size: float, grading: float) -> tuple[Array, Array
 
 
 def _graded(s: Array, edge: Array, fewest: int = 6) -> Array:
-    """Return places between the ends of s, both included, whose distances are about the edge lengths
-    there.
-    """
+    """Return places from the first to the last of s whose distances are about the edge lengths there."""
     steps = 0.5 * (1 / edge[1:] + 1 / edge[:-1]) * np.diff(s)
     number = np.concatenate([[0.0], np.cumsum(steps)])
     count = max(fewest, round(number[-1]))

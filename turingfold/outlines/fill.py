@@ -27,9 +27,7 @@ WORST = 20.0  # degrees
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What is given: `points` (2, n), the boundary's in order first, and the edges (2, m) that must
-    appear.
-    """
+    """What is given: `points` (2, n), the boundary's first and in order, and `edges` (2, m) to be kept."""
 
     points: Array
     boundary: int
@@ -42,8 +40,7 @@ class Frame:
 
 
 def fill(frame: Frame, size: Size) -> tuple[Array, Integers]:
-    """Return points (2, n), the frame's first, and triangles (3, e), counter-clockwise, of the frame's
-    inside.
+    """Return points (2, n), the frame's first, and counter-clockwise triangles (3, e) of its inside.
 
     Raises ValueError if an edge of the frame cannot be kept, or an angle stays below 20 degrees.
     """
@@ -111,9 +108,7 @@ def _missing_points(frame: Frame, points: Array, triangles: Integers, size: Size
 
 
 def _outside_circles(frame: Frame, free: Array) -> Array:
-    """Return the points that are not inside the circle around an edge of the frame, where they would hide
-    it.
-    """
+    """Return the points outside the circles around edges of the frame; inside, they would hide them."""
     start, end = frame.points[:, frame.edges[0]], frame.points[:, frame.edges[1]]
     middle, radius = 0.5 * (start + end), 0.5 * np.hypot(*(end - start))
     if not free.shape[1]:
@@ -146,8 +141,8 @@ def _check(frame: Frame, points: Array, triangles: Integers) -> None:
         x, y = points[:, frame.edges[:, lost[0]]].mean(1)
         raise ValueError(
             f"the mesh loses {len(lost)} edges of boundary or interface, first near ({x:.4g}, {y:.4g}) m, "
-            f"where two "
-            "lines come closer than the element size; use smaller elements there (size=...)."
+            "where two lines come closer than the element size; use smaller elements (size=...) or a "
+            "smoother outline (smooth=...)."
         )
     smallest = angles(points, triangles)
     if smallest.min() < WORST:
@@ -155,6 +150,5 @@ def _check(frame: Frame, points: Array, triangles: Integers) -> None:
         x, y = points[:, triangles[:, k]].mean(1)
         raise ValueError(
             f"the mesh has an angle of {smallest[k]:.3g} degrees near ({x:.4g}, {y:.4g}) m, less than "
-            f"{WORST:g}; use "
-            "smaller elements (size=...) or a smoother outline (smooth=...)."
+            f"{WORST:g}; use smaller elements (size=...) or a smoother outline (smooth=...)."
         )

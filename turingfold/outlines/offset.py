@@ -38,15 +38,12 @@ def interface(pial: Line, thickness: float, loop: Array, rounding: float = 0.0) 
     if not kept.any():
         raise ValueError(
             f"thickness={thickness:g} m leaves no white matter anywhere inside the outline; use a thinner "
-            f"cortex."
+            "cortex."
         )
     used = np.flatnonzero(kept)
-    within = (
-        np.ones_like(kept)
-        if pial.closed
-        else (np.arange(len(s)) >= used[0]) & (np.arange(len(s)) <= used[-1])
-    )
-    lost = within & ~kept
+    lost = ~kept
+    if not pial.closed:  # beyond the first and last sample lies the base
+        lost[: used[0]] = lost[used[-1] :] = False
     if lost.any() and rounding == 0:
         raise ValueError(_refusal(pial, s[lost], thickness))
     shallow = on + thickness * normal
@@ -64,8 +61,7 @@ def onto_base(white: Array, base: Array) -> Array:
         if not len(share):
             raise ValueError(
                 f"the gray-white interface ends at ({white[0, end]:.4g}, {white[1, end]:.4g}) m without "
-                f"reaching "
-                "the base; move the ends of the base, or use a thinner cortex."
+                "reaching the base; move the ends of the base, or use a thinner cortex."
             )
         moved[:, end] = before + share.min() * step
     return moved
@@ -118,14 +114,11 @@ def _rounded(
         if gap > 0.25 * reach:
             raise ValueError(
                 f"the cortex cuts the white matter in two near ({deep[0, end - 1]:.4g}, "
-                f"{deep[1, end - 1]:.4g}) m: "
-                f"the interface jumps by {gap:.3g} m there; use a thinner cortex."
+                f"{deep[1, end - 1]:.4g}) m: the interface "
+                f"jumps by {gap:.3g} m there; use a thinner cortex."
             )
-        parts.append(
-            _arc(
-                0.5 * (deep[:, end - 1] + deep[:, onward]), shallow[:, end - 1], shallow[:, onward], rounding
-            )
-        )
+        corner = 0.5 * (deep[:, end - 1] + deep[:, onward])
+        parts.append(_arc(corner, shallow[:, end - 1], shallow[:, onward], rounding))
     return parts
 
 
@@ -149,6 +142,5 @@ def _refusal(pial: Line, lost: Array, thickness: float) -> str:
     )
     return (
         f"thickness={thickness:g} m is too large near ({x:.4g}, {y:.4g}) m, {lost[k]:.3g} m along the pial "
-        f'surface: {cause}. Use a thinner cortex, smooth=..., or tight="trim", which rounds the interface '
-        f'there.'
+        f'surface: {cause}. Use a thinner cortex, smooth=..., or tight="trim", which rounds it inside.'
     )

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 SHAPES = ("path", "polygon", "polyline")
 ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
+SMOOTH = {"S": ("C", "S"), "T": ("Q", "T")}
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
@@ -74,7 +75,7 @@ def _svg(file: Path, name: str, samples: int) -> Array:
     if name not in shapes if name else len(shapes) != 1:
         raise ValueError(
             f"name={name!r}: {file.name} holds {len(shapes)} outlines ({', '.join(shapes) or 'none'}); name "
-            f"one by id."
+            "one by id."
         )
     shape = shapes[name] if name else next(iter(shapes.values()))
     if any("transform" in element.attrib for element in root.iter()):
@@ -101,10 +102,13 @@ def _path(text: str, samples: int, where: str) -> Array:
     """Return the points of the longest part of an SVG path, (2, n)."""
     parts: list[list[complex]] = []
     pen = start = handle = 0j
+    before = ""
     for command, numbers in re.findall(r"([a-zA-Z])([^a-df-zA-DF-Z]*)", text):
         kind, values = command.upper(), [float(n) for n in NUMBER.findall(numbers)]
+        if not parts and kind != "M":
+            raise ValueError(f"{where}: the path begins with {command!r}; it must begin with M or m.")
         if kind == "Z":
-            pen = handle = start
+            pen, before = start, kind
             continue
         if kind not in ARGUMENTS:
             raise ValueError(
@@ -117,24 +121,21 @@ def _path(text: str, samples: int, where: str) -> Array:
             )
         for k in range(0, len(values), count):
             origin = pen if command.islower() else 0j
-            if kind in "HV":
-                still = 0j if command.islower() else pen
-                targets = [
-                    origin
-                    + (complex(values[k], still.imag) if kind == "H" else complex(still.real, values[k]))
-                ]
+            if kind == "H":
+                targets = [complex(origin.real + values[k], pen.imag)]
+            elif kind == "V":
+                targets = [complex(pen.real, origin.imag + values[k])]
             else:
                 targets = [origin + complex(*values[m : m + 2]) for m in range(k, k + count, 2)]
             if kind == "M" and k == 0:
                 start = targets[0]
                 parts.append([start])
             else:
-                mirrored = 2 * pen - handle
-                controls = {"S": [mirrored, *targets], "T": [mirrored, *targets]}.get(kind, targets)
-                parts[-1] += _bezier([pen, *controls], samples if len(controls) > 1 else 1)
-                targets = controls
+                if kind in SMOOTH:  # the handle goes on straight from a curve of its kind, else there is none
+                    targets = [2 * pen - handle if before in SMOOTH[kind] else pen, *targets]
+                parts[-1] += _bezier([pen, *targets], samples if len(targets) > 1 else 1)
             handle = targets[-2] if len(targets) > 1 else targets[-1]
-            pen = targets[-1]
+            pen, before = targets[-1], kind
     if not parts:
         raise ValueError(f"{where}: the path is empty; give an outline with at least 8 points.")
     longest = np.array(max(parts, key=lambda part: float(np.abs(np.diff(part)).sum())))

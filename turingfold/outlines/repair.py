@@ -46,9 +46,7 @@ def closed_outline(points: Any) -> Array:
 
 
 def thinned(curve: Array, closed: bool, spacing: float) -> Array:
-    """Return the curve without points that follow the last kept one at less than `spacing`; open ends
-    stay.
-    """
+    """Return the curve without points nearer than `spacing` to the last kept one; open ends stay."""
     kept = [0]
     last = curve.shape[1] - 1
     for k in range(1, last + 1):
@@ -78,8 +76,7 @@ def refuse_crossings(curve: Array, name: str) -> None:
         where = ends[0, :, i[k]] + share[k] * (ends[1, :, i[k]] - ends[0, :, i[k]])
         raise ValueError(
             f"{name} crosses or touches itself {np.sum(apart & (i < j))} times, first near {_shown(where)}, "
-            f"between "
-            f"its points {i[k]} and {j[k]}. Remove the loop, or take the outer contour of the drawing."
+            f"between its points {i[k]} and {j[k]}. Remove the loop, or take the outer contour."
         )
 
 

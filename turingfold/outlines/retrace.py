@@ -20,13 +20,11 @@ CELLS = 3.0  # grid cells per inset
 
 
 def retraced(body: Body, state: State, *, size: float, inset: float) -> Body:
-    """Return the inside of the deformed pial surface, meshed anew; the start of the next stage, free of
-    stress.
+    """Return the inside of the deformed pial surface, meshed anew: the next stage's start, without stress.
 
     The new surface runs `inset` (m) inside the old one, as if traced on an image whose pixels are twice as
     wide: walls of sulci that touch stand 2·inset apart again, and creases become round. Area shrinks by inset
-    times perimeter. The cortex has its nominal thickness again; layers, zones and tangents follow the new
-    shape.
+    times perimeter. The cortex has its nominal thickness again; depth and tangents follow the new shape.
     size: element edge in the cortex, m.
     Raises ValueError for an open pial surface, and where the new outline cannot be meshed.
     """
