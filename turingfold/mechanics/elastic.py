@@ -92,8 +92,10 @@ class ElasticOperator:
         self.same = self.same.reshape(21, 3 * q)
         self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
         self.rows, self.columns = self._places(low, high)
-        self.dofs = 2 * body.triangles[:, None] + np.arange(2)[None, :, None]  # (6, 2, e)
+        self.dofs = 2 * body.triangles[None] + np.arange(2)[:, None, None]  # (2, 6, e)
         self._grown: tuple[Array | None, Metric] | None = None
+        self._undeformed = self.gradient(body.nodes.T)
+        self._stretched: tuple[Array, Array] | None = None
 
     def _places(self, low: Integers, high: Integers) -> tuple[Integers, Integers]:
         """Return where the 78 different entries of each element matrix go, each (78, e)."""
@@ -102,6 +104,17 @@ class ElasticOperator:
         one = np.concatenate([x[low], x[low] + 1, x[first]])
         other = np.concatenate([x[high], x[high] + 1, x[second] + 1])
         return np.maximum(one, other), np.minimum(one, other)
+
+    def gradient(self, values: Array) -> Array:
+        """Return ∂/∂ξ at the integration points, (2, 2, q, e), of nodal vectors (2 n_nodes,)."""
+        at_nodes = np.take(values.reshape(-1, 2).T, self.body.triangles, axis=1)
+        return (self.slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
+
+    def stretch(self, x: Array) -> Array:
+        """Return ∂x/∂ξ at the displacement x (2 n_nodes,); a step is bounded where it was evaluated last."""
+        if self._stretched is None or not np.array_equal(self._stretched[0], x):
+            self._stretched = x.copy(), self._undeformed + self.gradient(x)
+        return self._stretched[1]
 
     def during(self, state: State, dt: float) -> ElasticPotential:
         """Return the elastic energy with the growth and stiffness in `state`."""
@@ -165,12 +178,7 @@ class ElasticPotential:
 
     def stretch(self, x: Array) -> Array:
         """Return H = ∂x/∂ξ, shape (2, 2, q, e), of the displacement x (2 n_nodes,)."""
-        return self._gradient(self.operator.body.nodes + x.reshape(-1, 2).T)
-
-    def _gradient(self, values: Array) -> Array:
-        operator = self.operator
-        at_nodes = values[:, operator.body.triangles]
-        return (operator.slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
+        return self.operator.stretch(x)
 
     def evaluate(self, x: Array) -> ElasticEvaluation | None:
         """Return energy and derivatives at x, or None where J* <= 0 somewhere."""
@@ -182,7 +190,7 @@ class ElasticPotential:
 
     def largest_step(self, x: Array, direction: Array) -> float:
         """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
-        H, dH = self.stretch(x), self._gradient(direction.reshape(-1, 2).T)
+        H, dH = self.stretch(x), self.operator.gradient(direction)
         now = H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0]
         linear = H[0, 0] * dH[1, 1] + dH[0, 0] * H[1, 1] - H[0, 1] * dH[1, 0] - dH[0, 1] * H[1, 0]
         square = dH[0, 0] * dH[1, 1] - dH[0, 1] * dH[1, 0]
@@ -222,13 +230,14 @@ class ElasticEvaluation:
         Bxx, Bxy, Byy = m.B
         self.HB = np.stack([H[:, 0] * Bxx + H[:, 1] * Bxy, H[:, 0] * Bxy + H[:, 1] * Byy], axis=1)
         self.I1 = (H * self.HB).sum((0, 1)) + m.out2
-        density = material.energy(potential.mu, potential.kappa, self.I1, J)
+        self.law = potential.mu, potential.kappa, self.I1, J, material.shrink(J)
+        density = material.energy(*self.law)
         self.energy = float(np.vdot(m.weights, density))
         self.grain = 1e-15 * (abs(self.energy) + potential.rest)
 
     @cached_property
     def _slopes(self) -> tuple[Array, Array]:
-        return material.slopes(self.potential.mu, self.potential.kappa, self.I1, self.J)
+        return material.slopes(*self.law)
 
     @cached_property
     def _cofactor(self) -> Array:
@@ -245,24 +254,21 @@ class ElasticEvaluation:
         shear = (weights * a) * self.HB
         P = shear + (weights * b) * self._cofactor
         forces = operator.slopes @ P.reshape(2, -1, P.shape[3])  # (2, 6, e)
-        at = operator.dofs.transpose(1, 0, 2)
-        total = add_up(at, forces, 2 * operator.body.nodes.shape[1])
+        total = add_up(operator.dofs, forces, 2 * operator.body.nodes.shape[1])
         return total, float(np.vdot(shear, shear))
 
     def hessian(self, convexity: float) -> Hessian:
         """Return the tangent, with the share `convexity` of its negative part at each point taken away."""
         operator, m, (a, b) = self.potential.operator, self.potential.metric, self._slopes
-        c1, c2 = material.curvatures(self.potential.mu, self.potential.kappa, self.I1, self.J)
+        c1, c2 = material.curvatures(*self.law)
         w, C = m.weights, self._cofactor
-        wa, half = w * a, 0.5 * w * c2
         # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
-        K = (w * c1) * self.HB + half * C
+        K = (w * c1) * self.HB + (0.5 * w * c2) * C
         q, e = a.shape
         same = np.empty((2, 3, q, e))
-        for i in (0, 1):
-            same[i, 0] = wa * m.B[0] + 2 * K[i, 0] * C[i, 0]
-            same[i, 1] = wa * m.B[1] + K[i, 0] * C[i, 1] + K[i, 1] * C[i, 0]
-            same[i, 2] = wa * m.B[2] + 2 * K[i, 1] * C[i, 1]
+        same[:] = (w * a) * m.B
+        same[:, ::2] += 2 * K * C
+        same[:, 1] += K[:, 0] * C[:, 1] + K[:, 1] * C[:, 0]
         mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]  # (m, n, q, e)
         turn = w * b * m.delta
         mixed[0, 1] += turn
@@ -276,18 +282,18 @@ class ElasticEvaluation:
 
     def _add_negative_part(self, share: float, same: Array, mixed: Array, c1: Array, c2: Array) -> None:
         m, (a, b) = self.potential.metric, self._slopes
-        F = np.stack([np.stack([(self.H[i] * m.D[:, k]).sum(0) for k in (0, 1)]) for i in (0, 1)])
+        F = self.H[:, :1] * m.D[0] + self.H[:, 1:] * m.D[1]
         where, weights, vectors = negative_part(F, np.sqrt(m.out2), a, b, c1, c2)
         weights *= share * m.weights.ravel()[where]
-        D = m.D.reshape(2, 2, -1)[:, :, where]
-        pulled = [v[:, 0][:, None] * D[:, 0] + v[:, 1][:, None] * D[:, 1] for v in vectors]  # (i, m, p)
-        N = np.zeros((2, 2, 2, 2, len(where)))
-        for weight, V in zip(weights, pulled, strict=True):
-            N += (weight * V)[:, :, None, None] * V
-        for i in (0, 1):
-            for k, (p, r) in enumerate(((0, 0), (0, 1), (1, 1))):
-                same[i, k].ravel()[where] += N[i, p, i, r]
-        mixed.reshape(2, 2, -1)[:, :, where] += N[0, :, 1, :]
+        for weight, vector in zip(weights, vectors, strict=True):
+            if not weight.any():  # mostly only one of the four directions is unstable anywhere
+                continue
+            V = np.zeros_like(F)
+            V.reshape(2, 2, -1)[:, :, where] = np.sqrt(weight) * vector
+            V = V[:, :1] * m.D[:, 0] + V[:, 1:] * m.D[:, 1]
+            same[:, ::2] += V * V
+            same[:, 1] += V[:, 0] * V[:, 1]
+            mixed += V[0][:, None] * V[1]
 
 
 def _first_loss(constant: Array, linear: Array, square: Array) -> float:

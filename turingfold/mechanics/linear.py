@@ -46,19 +46,26 @@ class Pattern:
         """First entry of each column, and the number of entries."""
         return np.searchsorted(self.columns, np.arange(self.n + 1))
 
+    @cached_property
+    def _places(self) -> tuple[Integers, Integers]:
+        # of the type that scipy would convert them to for every matrix
+        kind = np.int32 if len(self.keys) < 2**31 else np.int64
+        return self.rows.astype(kind), self.starts.astype(kind)
+
+    @cached_property
+    def _diagonal(self) -> Integers:
+        return np.flatnonzero(self.rows == self.columns)
+
     def lower(self, values: Array) -> csc_matrix:
         """Return the lower triangle as a sparse matrix."""
-        return csc_matrix((values, self.rows, self.starts), shape=(self.n, self.n))
+        return csc_matrix((values, *self._places), shape=(self.n, self.n))
 
     def times(self, values: Array, x: Array) -> Array:
         """Return the product of the symmetric matrix with x."""
-        lower = self.lower(values)
-        diagonal = values[self.rows == self.columns] if self._full_diagonal else lower.diagonal()
-        return np.asarray(lower @ x + lower.T @ x - diagonal * x)
-
-    @cached_property
-    def _full_diagonal(self) -> bool:
-        return int(np.sum(self.rows == self.columns)) == self.n
+        lower, on = self.lower(values), self._diagonal
+        product = np.asarray(lower @ x + lower.T @ x)
+        product[self.rows[on]] -= values[on] * x[self.rows[on]]
+        return product
 
 
 class Gatherer:
@@ -75,7 +82,8 @@ class Gatherer:
         free[fixed] = False
         self.n_dofs, self.free = n_dofs, np.flatnonzero(free)
         self._number = np.where(free, np.cumsum(free) - 1, -1)
-        self._lasting: dict[int, tuple[Integers, Integers, Integers]] = {}  # rows, keys, slots by id(rows)
+        # by id(rows): rows, the different keys, the number of each entry's key among them, and its place
+        self._lasting: dict[int, tuple[Integers, Integers, Integers, Integers]] = {}
         self._pattern: Pattern | None = None
         self._restored = places
         self.places = np.zeros(0, dtype=np.int64)
@@ -87,11 +95,11 @@ class Gatherer:
             self._make_room(hessians)
             slots = self._slots(hessians)
         assert self._pattern is not None
-        values = np.zeros(
-            len(self._pattern.keys) + 1
-        )  # the last place collects what belongs to fixed unknowns
-        for hessian, places in zip(hessians, slots, strict=True):
-            values += add_up(places, hessian.values, len(values))
+        count = len(self._pattern.keys) + 1  # the last place collects what belongs to fixed unknowns
+        sums = [add_up(places, h.values, count) for h, places in zip(hessians, slots, strict=True)]
+        values = sums[0]
+        for more in sums[1:]:
+            values += more
         return self._pattern, values[:-1]
 
     def _keys(self, rows: Integers, columns: Integers) -> Integers:
@@ -113,7 +121,7 @@ class Gatherer:
                     return None
                 found.append(slots)
             else:
-                found.append(known[2])
+                found.append(known[3])
         return found
 
     def _places(self, keys: Integers) -> Integers | None:
@@ -136,7 +144,8 @@ class Gatherer:
                 continue
             keys = self._keys(hessian.rows, hessian.columns)
             if hessian.lasting:
-                self._lasting[id(hessian.rows)] = hessian.rows, keys, keys
+                different, number = np.unique(keys, return_inverse=True)
+                self._lasting[id(hessian.rows)] = hessian.rows, different, number, number
             else:
                 passing.append(keys)
                 if hessian.room is not None:
@@ -144,17 +153,17 @@ class Gatherer:
         if self._restored is not None:
             passing, self._restored = [self._restored], None
         self.places = _unique(passing)
-        lasting = [keys for _, keys, _ in self._lasting.values()]
+        lasting = [different for _, different, _, _ in self._lasting.values()]
         self._pattern = Pattern(len(self.free), _unique([*lasting, self.places]))
-        for mark, (rows, keys, _) in list(self._lasting.items()):
-            slots = self._places(keys)
+        for mark, (rows, different, number, _) in list(self._lasting.items()):
+            slots = self._places(different)
             assert slots is not None
-            self._lasting[mark] = rows, keys, slots
+            self._lasting[mark] = rows, different, number, slots[number]
 
 
 def _unique(keys: list[Integers]) -> Integers:
     """Return the keys of free unknowns, each once, in increasing order."""
-    ordered = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *keys]))
+    ordered = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *keys]), kind="stable")  # merges runs
     first = np.ones(len(ordered), dtype=bool)
     first[1:] = ordered[1:] != ordered[:-1]
     return ordered[first & (ordered >= 0)]

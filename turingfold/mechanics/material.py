@@ -47,18 +47,29 @@ class NeoHookean:
         return (3 * self.kappa - 2 * self.mu) / (2 * (3 * self.kappa + self.mu))
 
 
-def energy(mu: Array, kappa: Array, I1: Array, J: Array) -> Array:
-    """Return ψ at the invariants; all arrays of one shape, Pa."""
-    return np.asarray(0.5 * mu * (I1 * np.cbrt(J) ** -2 - 3.0) + 0.5 * kappa * (J - 1.0) ** 2)
+def shrink(J: Array) -> Array:
+    """Return J^{-2/3}, the one root that energy and derivatives share; it costs as much as all the rest."""
+    root = np.cbrt(J)
+    return np.asarray(1.0 / (root * root))
 
 
-def slopes(mu: Array, kappa: Array, I1: Array, J: Array) -> tuple[Array, Array]:
+def energy(mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = None) -> Array:
+    """Return ψ at the invariants; all arrays of one shape, Pa.  shrunk: `shrink(J)`, if it is known."""
+    shrunk = shrink(J) if shrunk is None else shrunk
+    return np.asarray(0.5 * mu * (I1 * shrunk - 3.0) + 0.5 * kappa * (J - 1.0) ** 2)
+
+
+def slopes(
+    mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = None
+) -> tuple[Array, Array]:
     """Return a, b of the first Piola stress P = a F + b ∂J/∂F."""
-    a = mu * np.cbrt(J) ** -2
+    a = mu * (shrink(J) if shrunk is None else shrunk)
     return a, kappa * (J - 1.0) - a * I1 / (3.0 * J)
 
 
-def curvatures(mu: Array, kappa: Array, I1: Array, J: Array) -> tuple[Array, Array]:
+def curvatures(
+    mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = None
+) -> tuple[Array, Array]:
     """Return c₁, c₂ of ∂P/∂F = a 1 + c₁ (F⊗C + C⊗F) + c₂ C⊗C + b ∂C/∂F with C = ∂J/∂F."""
-    a = mu * np.cbrt(J) ** -2
-    return -2.0 * a / (3.0 * J), kappa + 5.0 * a * I1 / (9.0 * J**2)
+    ratio = mu * (shrink(J) if shrunk is None else shrunk) / J
+    return (-2.0 / 3.0) * ratio, kappa + (5.0 / 9.0) * ratio * I1 / J

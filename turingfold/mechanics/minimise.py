@@ -90,16 +90,16 @@ class Minimiser:
         self._solver: Solver | None = None
         self._solver_pattern: object = None
         self._level = 0 if memory is None else memory.level
-        self._certificate: System | None = None
+        self._tangent: System | None = None
 
     @property
     def memory(self) -> Memory:
         """What the next minimisation owes to the earlier ones."""
-        return Memory(self.gatherer.places, self._level, self._certificate is not None)
+        return Memory(self.gatherer.places, self._level, self._tangent is not None)
 
     def forget(self) -> None:
         """Do not start the next minimisation with the tangent of the last one."""
-        self._certificate = None
+        self._tangent = None
 
     def certify(self, potentials: Sequence[Potential], x: Array) -> None:
         """Factorise the tangent at an equilibrium found earlier, as its own minimisation did."""
@@ -115,6 +115,8 @@ class Minimiser:
         at = _evaluate(potentials, x)
         if at is None:
             raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
+        tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
+        before = float("inf")
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             slope, residual = self._slope(at)
@@ -125,9 +127,10 @@ class Minimiser:
                 return Equilibrium(x, sum(e.energy for e in at), residual, self._certified(at))
             if iteration == self.iterations:
                 break
-            direction = self._continued(slope) if iteration == 0 else None
-            if direction is None:
-                direction = self._direction(at, slope)
+            # a factorisation costs more than two steps: use the last one while two at the present rate will do
+            if tangent is None or residual * (residual / before) ** 2 > self.tolerance:
+                tangent = self._factorized_convex(at)
+            direction, before = self._solved(tangent, slope), residual
             x, at = self._search(potentials, x, at, slope, direction, residual)
             self.effort.iterations += 1
         raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
@@ -138,21 +141,15 @@ class Minimiser:
         scale = np.sqrt(sum(s for _, s in parts))
         return slope, float(np.linalg.norm(slope) / scale) if scale > 0 else float(np.linalg.norm(slope))
 
-    def _direction(self, at: list[Evaluation], slope: Array) -> Array:
-        """Return the Newton direction (all unknowns), with as much convexity added as the tangent needs."""
+    def _factorized_convex(self, at: list[Evaluation]) -> System:
+        """Return the factorised tangent, with as much convexity added as it needs."""
         for level in range(max(0, self._level - 1), len(CONVEXITY)):
             system = self._factorized(at, CONVEXITY[level])
-            if system is None:
-                continue
-            self._level = level
-            return self._solved(system, slope)
+            if system is not None:
+                self._level = level
+                return system
         self._level = 0
         raise NotConvergedError("no convex approximation of the tangent is positive definite")
-
-    def _continued(self, slope: Array) -> Array | None:
-        """Return the direction by the tangent that certified the last equilibrium, if it did."""
-        system, self._certificate = self._certificate, None
-        return None if system is None else self._solved(system, slope)
 
     def _solved(self, system: System, slope: Array) -> Array:
         begin = perf_counter()
@@ -163,8 +160,8 @@ class Minimiser:
 
     def _certified(self, at: list[Evaluation]) -> int:
         """Keep the tangent if it is positive definite; return the number of its negative pivots."""
-        self._certificate = self._factorized(at, 0.0)
-        if self._certificate is not None:
+        self._tangent = self._factorized(at, 0.0)
+        if self._tangent is not None:
             return 0
         return negative_pivots(*self.gatherer.gather([e.hessian(0.0) for e in at if e.curved]))
 
