@@ -211,6 +211,16 @@ def test_what_the_band_cannot_hold_is_refused_with_the_numbers():
         mode_with(discretise(semi_annulus(24, 1), 1), 200, np.arange(3), 3.0, 0.06)
 
 
+def test_a_run_cut_short_is_an_error_that_says_when():
+    system = problem_a(semi_annulus(24, 1), 1)
+    with pytest.raises(NotConvergedError, match="no stable steady state was reached by time") as caught:
+        settle(system, initial_a(system), steps=3)
+    assert 0 < caught.value.time < 20
+    with pytest.raises(NotConvergedError, match="by time 5 "):
+        settle(system, initial_a(system), until=5.0)
+
+
+@pytest.mark.slow
 def test_spots_of_bvam_never_settle_and_the_error_says_so():
     with pytest.raises(NotConvergedError, match="no stable steady state was reached by time"):
         Turing(BVAM(r1=0.02, r2=0.2), half_waves=16).pattern(body())
