@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -205,15 +206,47 @@ def test_an_output_folder_that_cannot_be_made_is_status_4(written, tmp_path, cap
         ("import turingfold\n\ndef scenes(quick=False):\n    turingfold.Linear(gapp=1)", "line 4: TypeError"),
         ("def scenes(:", "line 1: SyntaxError"),
         ("import nowhere", "line 1: ModuleNotFoundError"),
-        ("import turingfold\nturingfold.NeoHookean(mu=-1.0, kappa=1.0)", "mu=-1 must be positive"),
+        ("import turingfold\nturingfold.NeoHookean(mu=-1.0, kappa=1.0)", "line 2: mu=-1 must be positive"),
+        ("raise SystemExit(0)", "line 1: SystemExit"),
+        ("def scenes(quick=False):\n    assert quick", "line 2: AssertionError"),
     ],
 )
-def test_mistakes_in_a_case_are_status_2(tmp_path, capsys, text, words):
+def test_mistakes_in_a_case_are_status_2(tmp_path, monkeypatch, capsys, text, words):
+    monkeypatch.chdir(tmp_path)  # the line is found for a relative path too
     (tmp_path / "wrong.py").write_text(text)
-    assert main(["run", str(tmp_path / "wrong.py")]) == 2
+    assert main(["run", "wrong.py"]) == 2
     err = unwrapped(capsys)
     assert words in err
     assert "Traceback" not in err
+
+
+def test_a_file_that_a_case_misses_is_named(tmp_path, capsys):
+    (tmp_path / "wrong.py").write_text("def scenes(quick=False):\n    open('nowhere.csv')")
+    assert main(["run", str(tmp_path / "wrong.py")]) == 4
+    assert "nowhere.csv: No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_scene_that_cannot_start_is_named(written, capsys, jobs):
+    turing = "turingfold.Turing(turingfold.Schnakenberg(), half_waves=500)"  # too many for its band
+    path = written(f'import turingfold; parts = {{"narrow": {turing}}}')
+    assert main(["run", path, "--jobs", jobs]) == 2
+    assert "scene 'narrow': half_waves=500" in capsys.readouterr().err
+
+
+def test_a_mistake_in_draw_names_the_line(written, capsys):
+    path = Path(written(GROWS))
+    path.write_text(path.read_text() + "    axes.plt()\n")
+    assert main(["run", str(path)]) == 2
+    assert "AttributeError" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["-j", "x"], ["-j", "0"], ["--resume", "--overwrite"]])
+def test_wrong_options_are_refused(written, capsys, words):
+    with pytest.raises(SystemExit) as failure:
+        main(["run", written(GROWS), *words])
+    assert failure.value.code == 2
+    assert "_at_least_one" not in capsys.readouterr().err
 
 
 def test_debug_shows_the_traceback(tmp_path, capsys):
@@ -233,6 +266,13 @@ def test_list_names_cases_and_scenes(written, tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].endswith("tiny.py: A patch of cortex that grows. Less than a second.")
     assert [line.strip() for line in lines[1:]] == ["first one", "second one"]
+    (tmp_path / "broken.py").write_text("def scenes(quick=False):\n    return 3")
+    (tmp_path / "other.py").write_text("raise ValueError('this is no case, and must not be run')")
+    assert main(["list", str(tmp_path)]) == 2
+    out, err = capsys.readouterr()
+    assert "tiny.py: A patch" in out
+    assert "broken.py" in err
+    assert "other.py" not in err
     (tmp_path / "empty").mkdir()
     assert main(["list", str(tmp_path / "empty")]) == 2
 

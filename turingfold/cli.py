@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import shlex
 import sys
 import textwrap
 import traceback
@@ -29,6 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
         os.environ[name] = str(options.threads)
     logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
+    from .output.files import OutputError
     from .scene import SolveError
 
     with warnings.catch_warnings():
@@ -41,7 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except SolveError as error:
             return _failed(options, str(error), STOPPED)
         except OSError as error:
-            return _failed(options, error.strerror or str(error), IO_FAILED)
+            named = isinstance(error, OutputError) or error.filename is None
+            words = error.strerror or str(error) if named else f"{error.filename}: {error.strerror}"
+            return _failed(options, words, IO_FAILED)
         except ValueError as error:
             return _failed(options, str(error), BAD_INPUT)
 
@@ -60,8 +64,9 @@ def parser() -> argparse.ArgumentParser:
 
     run = commands.add_parser("run", parents=[stored, common], help="run a case, draw its figure")
     run.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
-    run.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
-    run.add_argument("--overwrite", action="store_true", help="replace results that are there")
+    there = run.add_mutually_exclusive_group()
+    there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
+    there.add_argument("--overwrite", action="store_true", help="replace results that are there")
     run.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time (1)")
     run.set_defaults(command=_run)
 
@@ -81,6 +86,13 @@ def parser() -> argparse.ArgumentParser:
     stability.add_argument("--thickness", type=float, default=2.5e-3, metavar="M", help="of cortex (0.0025)")
     stability.add_argument("--figure", type=Path, metavar="PNG", help="draw the dispersion relation")
     stability.set_defaults(command=_stability)
+
+    buckling = commands.add_parser("buckling", parents=[common], help="critical growth and mode of a case")
+    buckling.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes()")
+    buckling.add_argument("--quick", action="store_true", help="of the small version")
+    buckling.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    buckling.add_argument("--figure", type=Path, metavar="PNG", help="draw the modes")
+    buckling.set_defaults(command=_buckling)
 
     compare = commands.add_parser("compare", parents=[common], help="morphometry of two results side by side")
     compare.add_argument("a", type=Path, metavar="A", help="folder of a result")
@@ -107,18 +119,31 @@ def _draw(options: argparse.Namespace) -> int:
 def _list(options: argparse.Namespace) -> int:
     from .cli_case import find_cases, load_case
 
+    status = 0
     for path in find_cases(options.cases):
-        case = load_case(path)
+        try:
+            case = load_case(path)
+            names = list(case.scenes(quick=True))
+        except ValueError as error:  # the other cases are listed all the same
+            status = _failed(options, str(error), BAD_INPUT)
+            continue
         print(f"{path}: {case.title}")
-        for name in case.scenes(quick=True):
+        for name in names:
             print(f"    {name}")
-    return 0
+    return status
 
 
 def _stability(options: argparse.Namespace) -> int:
     from .cli_tools import stability
 
     print(stability(options))
+    return 0
+
+
+def _buckling(options: argparse.Namespace) -> int:
+    from .cli_buckling import report
+
+    print(report(options))
     return 0
 
 
@@ -130,19 +155,19 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 def _at_least_one(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{number} must be at least 1")
-    return number
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 1")
+    return int(text)
 
 
 def _interrupted(options: argparse.Namespace) -> str:
     if not hasattr(options, "resume"):
         return "stopped."
-    words = ["turingfold run", str(options.case), *(["--quick"] if options.quick else [])]
-    words += [f"--out {options.out}"] if options.out else []
-    words += [f"--only {name!r}" for name in options.only or []]
-    return f"stopped; nothing before the last checkpoint is lost. Go on with: {' '.join(words)} --resume"
+    words = ["turingfold", "run", str(options.case), *(["--quick"] if options.quick else [])]
+    words += ["--out", str(options.out)] if options.out else []
+    words += [word for name in options.only or [] for word in ("--only", name)]
+    words += ["--jobs", str(options.jobs)] if options.jobs > 1 else []
+    return f"stopped; nothing before the last checkpoint is lost. Go on with: {shlex.join(words)} --resume"
 
 
 def _failed(options: argparse.Namespace, message: str, status: int) -> int:

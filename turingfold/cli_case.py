@@ -14,10 +14,14 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from .results import Result
-from .scene import Scene
+from .scene import Scene, SolveError
 
-# what a mistake in a case raises, apart from ValueError, which already says what is wrong
-MISTAKES = (ArithmeticError, AttributeError, ImportError, LookupError, NameError, SyntaxError, TypeError)
+# what a mistake in a case raises, apart from ValueError, which already says what is wrong; SystemExit would
+# end the program as if all had been done
+MISTAKES = (
+    ArithmeticError, AssertionError, AttributeError, ImportError, LookupError, NameError, RuntimeError,
+    SyntaxError, SystemExit, TypeError,
+)  # fmt: skip
 EXPECTED = (
     "a case has a docstring and two functions: scenes(quick=False), which returns a dict of names and "
     "Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
@@ -54,7 +58,7 @@ class Case:
 
     def scenes(self, *, quick: bool, only: Iterable[str] = ()) -> dict[str, Scene]:
         """Return its scenes by name, or only some; raises ValueError for an unknown name."""
-        with _explained(self.path):
+        with explained(self.path):
             found = self.module.scenes(quick=quick)
         if not isinstance(found, dict) or not found:
             raise ValueError(f"{self.path}: scenes() must return a dict with at least one Scene; {EXPECTED}.")
@@ -86,7 +90,7 @@ def load_case(path: Path) -> Case:
         raise ValueError(f"{path} is no Python file; {EXPECTED}.")
     module = module_from_spec(spec)
     sys.modules[name] = module
-    with _explained(path):
+    with explained(path):
         spec.loader.exec_module(module)
     if not callable(getattr(module, "scenes", None)):
         raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
@@ -94,12 +98,15 @@ def load_case(path: Path) -> Case:
 
 
 def find_cases(paths: Iterable[Path]) -> list[Path]:
-    """Return the case files among files and folders; raises ValueError where there are none."""
+    """Return the files named, and in the folders named those with scenes; raises ValueError for none."""
     found: list[Path] = []
+    marked = re.compile(rb"^def scenes\(", re.MULTILINE)
     for path in paths:
-        files = sorted(path.glob("*.py")) if path.is_dir() else [path]
+        files = [path]
+        if path.is_dir():  # reading a case runs it: nothing else in the folder is touched
+            files = [file for file in sorted(path.glob("*.py")) if marked.search(file.read_bytes())]
         if not files:
-            raise ValueError(f"{path} holds no case files (*.py).")
+            raise ValueError(f"{path} holds no case files (*.py with a function scenes).")
         found += files
     return found
 
@@ -110,15 +117,24 @@ def folder_name(scene: str) -> str:
 
 
 @contextmanager
-def _explained(path: Path) -> Iterator[None]:
+def explained(path: Path) -> Iterator[None]:
     """Turn a mistake in a case into a ValueError that names the line."""
     try:
         yield
+    except SolveError:
+        raise
+    except ValueError as error:
+        raise ValueError(f"{_place(path, error)}: {error}") from error
     except MISTAKES as error:
-        frames = traceback.extract_tb(error.__traceback__)
-        lines = [frame.lineno for frame in frames if frame.filename == str(path)]
-        line = error.lineno if isinstance(error, SyntaxError) else (lines or [None])[-1]
         raise ValueError(
-            f"{path}{f', line {line}' if line else ''}: {type(error).__name__}: {error}. "
+            f"{_place(path, error)}: {type(error).__name__}: {error}. "
             "Correct the case; --debug shows the traceback."
         ) from error
+
+
+def _place(path: Path, error: BaseException) -> str:
+    """Return the case and the line of it that an error comes from."""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
+    line = error.lineno if isinstance(error, SyntaxError) else (lines or [None])[-1]
+    return f"{path}, line {line}" if line else str(path)

@@ -14,7 +14,7 @@ from multiprocessing import get_context
 from multiprocessing.synchronize import Event
 from pathlib import Path
 
-from .cli_case import Case, folder_name, load_case
+from .cli_case import Case, explained, folder_name, load_case
 from .cli_figure import figure_path, save_figure
 from .cli_status import STOPPED
 from .output.history import read_history
@@ -84,7 +84,7 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
     names = case.scenes(quick=options.quick)
     results = {name: load(base / folder_name(name), known=case.known) for name in names}
     path = figure_path(case.path, base, apart=options.quick or options.out is not None)
-    with save_figure(path) as figure:
+    with explained(case.path), save_figure(path) as figure:
         case.draw(results, figure)
     return path
 
@@ -106,6 +106,8 @@ def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> di
             )
         except SolveError as error:
             stopped[job.name] = str(error)
+        except ValueError as error:
+            raise _of_scene(job, error) from error
     return stopped
 
 
@@ -130,12 +132,18 @@ def _together(jobs: list[Job], count: int, report: Report) -> dict[str, str]:
                         spent = int(sum(row["newton_iterations"] for row in rows))
                         report(futures[future].name, rows[-1], spent)
                 for future in done:
+                    if isinstance(error := future.exception(), ValueError):
+                        raise _of_scene(futures[future], error) from error
                     future.result()
         except BaseException:
             halt.set()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
         return {job.name: future.result() for future, job in futures.items() if future.result()}
+
+
+def _of_scene(job: Job, error: ValueError) -> ValueError:
+    return ValueError(f"{job.case}, scene {job.name!r}: {error}")
 
 
 _halt: list[Event] = []  # of this process, set by the one that started it
