@@ -28,7 +28,7 @@ LAYERS = (
     ("drawing",),
     ("panels", "plots"),
     ("cli_case", "cli_figure", "cli_status"),
-    ("cli_run", "cli_tools"),
+    ("cli_buckling", "cli_run", "cli_tools"),
     ("cli",),
     ("__main__",),
 )

@@ -127,7 +127,7 @@ class Minimiser:
                 return Equilibrium(x, sum(e.energy for e in at), residual, self._certified(at))
             if iteration == self.iterations:
                 break
-            # a factorisation costs more than two steps: use the last one while two at the present rate will do
+            # a factorisation costs more than two steps: keep the last one while two at this rate will do
             if tangent is None or residual * (residual / before) ** 2 > self.tolerance:
                 tangent = self._factorized_convex(at)
             direction, before = self._solved(tangent, slope), residual

@@ -1,0 +1,62 @@
+"""The command that says when the scenes of a case buckle, and how."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .cli_case import load_case
+from .cli_figure import save_figure
+
+if TYPE_CHECKING:
+    from .mechanics.buckling import Buckling
+    from .scene import Scene
+
+SHOWN = 0.1  # largest displacement of a drawn mode, as a share of the body's length
+
+
+def report(options: argparse.Namespace) -> str:
+    """Return critical growth, mode and time of each scene of a case as a table; draw the modes on request.
+
+    Terms that resist motion are left out: they would only delay what the tangent shows.
+    """
+    from .mechanics.buckling import buckling
+
+    scenes = load_case(options.case).scenes(quick=options.quick, only=options.only or ())
+    found = {name: buckling(_without_drag(scene)) for name, scene in scenes.items()}
+    width = max(len(name) for name in found)
+    rows = [f"{'scene':{width}}  critical growth  half waves    time"]
+    for name, one in found.items():
+        kind = "  (limit point)" if one.limit else ""
+        rows.append(f"{name:{width}}  {one.growth:15.4f}  {one.mode:10d}  {one.time:6.3f}{kind}")
+    if options.figure is not None:
+        _draw(options, scenes, found)
+        rows.append(f"figure: {options.figure}")
+    return "\n".join(rows)
+
+
+def _without_drag(scene: Scene) -> Scene:
+    from dataclasses import replace
+
+    kept = tuple(term for term in scene.terms if not term.on(scene.body).grounds)
+    return scene if len(kept) == len(scene.terms) else replace(scene, terms=kept)
+
+
+def _draw(options: argparse.Namespace, scenes: dict[str, Scene], found: dict[str, Buckling]) -> None:
+    from .plots import outline
+    from .results import along_pial
+
+    with save_figure(options.figure) as figure:
+        grid = np.atleast_1d(figure.subplots(-(-len(found) // 2), min(2, len(found)))).ravel()
+        for axes, (name, one) in zip(grid, found.items(), strict=False):
+            body = scenes[name].body
+            outline(axes, body)
+            moved = body.nodes + one.state["displacement"] + SHOWN * body.length * one.shape
+            axes.plot(*(1e3 * along_pial(body, moved[:, body.pial])), color="C3", linewidth=1.2)
+            axes.set_title(f"{name}: growth {one.growth:.3f}, {one.mode} half waves", fontsize=9)
+            axes.set_aspect("equal")
+            axes.set_axis_off()
+        for axes in grid[len(found) :]:
+            axes.set_axis_off()
