@@ -23,10 +23,10 @@ def scenes(quick=False):
         thickness = coats * COAT
         size = thickness / (2 if quick else layers)
         body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller")
-        processes = (SurfaceSwelling(final=2.5, diffusivity=0.02), Imperfection(amplitude=0.005))
+        swelling = SurfaceSwelling(final=1.2 if quick else 2.5, diffusivity=0.02)
         terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
         name = f"{coats} coats" if coats > 1 else "1 coat"
-        found[name] = Scene(body=body, processes=processes, terms=terms, until=0.01 if quick else 1.0)
+        found[name] = Scene(body=body, processes=(swelling, Imperfection(amplitude=0.005)), terms=terms)
     return found
 
 

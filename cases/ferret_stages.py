@@ -36,7 +36,7 @@ def scenes(quick=False):
     for name, duration in STAGES.items():
         if found:
             stage = list(found.values())[-1]
-            body = retraced(body, simulate(stage).last, size=size, inset=0.008)
+            body = retraced(body, simulate(stage).last, size=size, inset=0.02 if quick else 0.008)
         until = duration / 6 if quick else duration
         found[name] = Scene(body=body, processes=processes, terms=terms, until=until, stepping=steps)
     return found
