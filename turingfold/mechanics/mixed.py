@@ -66,9 +66,9 @@ class MixedOperator:
             spread = None if growth is None else self.points.spread_out(growth)
             self._grown = growth, metric(cast(Body, self.points), spread)
         share = np.ones_like(self.mu) if stiffness is None else self.points.spread_out(stiffness)
-        bubble, pressure = state.fields.get("bubble"), state.fields.get("element_pressure")
-        if bubble is None:
-            bubble = np.zeros((2, self.body.triangles.shape[1]))
+        count = self.body.triangles.shape[1]
+        bubble = state.fields.get("bubble", np.zeros((2, count)))
+        pressure = state.fields.get("element_pressure", np.zeros((3, count)))
         return MixedPotential(self, self._grown[1], share * self.mu, share * self.kappa, bubble, pressure)
 
 
@@ -76,7 +76,8 @@ class MixedOperator:
 class MixedPotential:
     """The energy of one growth state as a function of the nodal displacement; the bubbles have settled.
 
-    bubble: where the search for them starts, (2, e).  pressure: for the tangent, (3, e); None: A⁻¹ r.
+    bubble: where the search for them starts, (2, e).  pressure: that of the tangent, (3, e); zero at rest, it
+    follows the Newton steps (`along`). The tangent is the second derivative of the energy where it is A⁻¹ r.
     """
 
     operator: MixedOperator
@@ -84,7 +85,7 @@ class MixedPotential:
     mu: Array
     kappa: Array
     bubble: Array
-    pressure: Array | None
+    pressure: Array
 
     @cached_property
     def bulk(self) -> Array:

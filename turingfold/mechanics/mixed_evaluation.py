@@ -26,15 +26,15 @@ class MixedEvaluation:
     """The energy at one configuration; gradient and Hessian on demand."""
 
     def __init__(
-        self, potential: MixedPotential, x: Array, bubble: Array, pressure: Array | None, at: Kinematics
+        self, potential: MixedPotential, x: Array, bubble: Array, pressure: Array, at: Kinematics
     ) -> None:
         """Compute the energy of every element."""
         self.potential, self.x, self.bubble, self.at, self.curved = potential, x, bubble, at, True
+        self.pressure = pressure
         weights = potential.metric.weights
         N = potential.operator.points.linear
         self.volume = N @ (weights * (at.J - 1))  # r, (3, e)
         self.own_pressure = _times(potential.bulk, self.volume)
-        self._given, self.pressure = pressure, self.own_pressure if pressure is None else pressure
         self.shear_energies = 0.5 * (weights * potential.mu * (at.I1 * at.shrink - 3.0)).sum(0)
         self.energies = self.shear_energies + 0.5 * (self.volume * self.own_pressure).sum(0)
         self.energy = float(self.energies.sum())
@@ -126,7 +126,7 @@ class MixedEvaluation:
         H = self.at.H + move[:, None, None] * self.potential.operator.points.bubble[:, :, None]
         at = kinematics(H, self.potential.metric)
         assert at is not None  # the step keeps a tenth of J*
-        return MixedEvaluation(self.potential, self.x, self.bubble + move, self._given, at)
+        return MixedEvaluation(self.potential, self.x, self.bubble + move, self.pressure, at)
 
     # the tangent
 
