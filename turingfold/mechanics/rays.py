@@ -70,6 +70,11 @@ def rays(
     ]
 
 
+def has_inner(at: Sequence[Evaluation]) -> bool:
+    """Return whether one of the evaluations has inner unknowns."""
+    return any(isinstance(e, Inner) for e in at)
+
+
 def reached(along: Sequence[Ray], step: float) -> tuple[float, list[Evaluation]] | None:
     """Return the sum of the merits and the evaluations at s = step, or None where one energy is infinite."""
     there = [ray.at(step) for ray in along]
