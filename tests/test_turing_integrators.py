@@ -1,6 +1,6 @@
 """Integrators: each at its order on band problem A, limits refused, factors reused, stiff systems solved."""
 
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -244,9 +244,9 @@ def test_the_default_integrator_beats_scipy_on_5409_nodes():
     def measured(run):
         times = []
         for _ in range(3):
-            before = perf_counter()
+            before = process_time()
             end = run()
-            times.append(perf_counter() - before)
+            times.append(process_time() - before)
         return sorted(times)[1], np.abs(end - exact).max() / np.abs(exact).max()
 
     for error, share, mine, theirs in ((1e-4, 1.0, 1e-3, 1e-4), (1e-6, 0.5, 1e-6, 1.5e-7)):
