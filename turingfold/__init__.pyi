@@ -13,6 +13,7 @@ from .histories import Logistic as Logistic
 from .histories import Table as Table
 from .imperfection import Imperfection as Imperfection
 from .imperfection import roughened as roughened
+from .mechanics.active import ActiveStress as ActiveStress
 from .mechanics.buckling import Buckling as Buckling
 from .mechanics.buckling import buckling as buckling
 from .mechanics.contact import SelfContact as SelfContact

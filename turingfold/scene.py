@@ -129,6 +129,26 @@ class Potential(Protocol):
         """Return numbers for the history, such as the smallest gap."""
 
 
+class SimplePotential:
+    """What most potentials do beside having an energy: bound no step, leave nothing behind, show nothing."""
+
+    def largest_step(self, x: Array, direction: Array) -> float:
+        """Any step is admissible."""
+        return 1.0
+
+    def finish(self, x: Array) -> dict[str, Array]:
+        """Nothing is left for the next step."""
+        return {}
+
+    def observe(self, x: Array) -> dict[str, Array]:
+        """Nothing to look at."""
+        return {}
+
+    def measure(self, x: Array) -> dict[str, float]:
+        """Nothing to report."""
+        return {}
+
+
 class Operator(Protocol):
     """A term discretised on a body: everything that is computed once.
 
@@ -166,7 +186,7 @@ class Stepping:
     iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
     """
 
-    first: float = 1 / 45
+    first: float = 1 / 20
     largest: float = 1 / 20
     smallest: float = 1e-5
     tolerance: float = 1e-8

@@ -10,7 +10,7 @@ from .arrays import Array, add_up
 from .body import Body
 from .checks import between, finite, one_of, whole
 from .curve import Curve
-from .scene import Hessian, State
+from .scene import Hessian, SimplePotential, State
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
@@ -139,28 +139,8 @@ class TensionOperator:
         return add_up(dofs, forces, 2 * self.body.nodes.shape[1])
 
 
-class _WithoutMemory:
-    """A load: it bounds no step and leaves nothing behind."""
-
-    def largest_step(self, x: Array, direction: Array) -> float:
-        """A load admits any step."""
-        return 1.0
-
-    def finish(self, x: Array) -> dict[str, Array]:
-        """A load has no memory."""
-        return {}
-
-    def observe(self, x: Array) -> dict[str, Array]:
-        """Nothing to look at."""
-        return {}
-
-    def measure(self, x: Array) -> dict[str, float]:
-        """Nothing to report."""
-        return {}
-
-
 @dataclass(frozen=True)
-class DeadTension(_WithoutMemory):
+class DeadTension(SimplePotential):
     """Forces that do not change with the displacement: energy -f·x."""
 
     operator: TensionOperator
@@ -192,7 +172,7 @@ class DeadEvaluation:
 
 
 @dataclass(frozen=True)
-class FollowerTension(_WithoutMemory):
+class FollowerTension(SimplePotential):
     """Line tension along the deformed line: energy ∫ γ |∂x/∂ξ| dξ."""
 
     operator: TensionOperator

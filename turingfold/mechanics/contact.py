@@ -20,7 +20,7 @@ from scipy.sparse import csc_matrix, tril
 from ..arrays import Array, Integers
 from ..body import Body
 from ..checks import finite_array, positive
-from ..scene import Hessian, State
+from ..scene import Hessian, SimplePotential, State
 
 ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
 REACH = 8.0  # obstacles extend this many body lengths
@@ -116,7 +116,7 @@ class ContactOperator:
 
 
 @dataclass(frozen=True)
-class ContactPotential:
+class ContactPotential(SimplePotential):
     """The barrier energy as a function of the displacement; `scale` is the unit of energy, J/m."""
 
     operator: ContactOperator
@@ -135,14 +135,6 @@ class ContactPotential:
         if ipctk.is_step_collision_free(operator.mesh, start, end):
             return 1.0
         return 0.9 * float(ipctk.compute_collision_free_stepsize(operator.mesh, start, end))
-
-    def finish(self, x: Array) -> dict[str, Array]:
-        """Contact without friction has no memory."""
-        return {}
-
-    def observe(self, x: Array) -> dict[str, Array]:
-        """Nothing beside the gap."""
-        return {}
 
     def measure(self, x: Array) -> dict[str, float]:
         """Return the smallest distance between parts of the boundary (m; at most 2 dhat is looked for)."""

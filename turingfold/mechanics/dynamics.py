@@ -12,7 +12,8 @@ import numpy as np
 from ..arrays import Array, add_up
 from ..body import Body
 from ..checks import one_of, positive
-from ..scene import Hessian, State
+from ..scene import Hessian, SimplePotential, State
+from .entries import HIGH, LOW, lower, pairs
 
 SCHEMES = ("euler", "midpoint")
 
@@ -69,24 +70,19 @@ class Mass:
 
     def __init__(self, body: Body, density: float) -> None:
         self.triangles, quadrature = body.triangles, body.quadrature
-        low, high = np.tril_indices(6)[::-1]
         shapes = quadrature.shapes
-        self.entries = density * (shapes[low] * shapes[high]) @ quadrature.weights  # (21, e)
-        pairs = 2 * self.triangles[low], 2 * self.triangles[high]
-        one, other = (np.concatenate([p, p + 1]) for p in pairs)
-        self.rows, self.columns = np.maximum(one, other), np.minimum(one, other)
-        self._pairs = low, high
+        self.entries = density * (shapes[LOW] * shapes[HIGH]) @ quadrature.weights  # (21, e)
+        self.rows, self.columns = lower(*pairs(self.triangles))
 
     def times(self, x: Array) -> Array:
         """Return the product with a vector (2 n_nodes,)."""
-        low, high = self._pairs
         values = x.reshape(-1, 2)
         total = np.empty_like(values)
         for axis in (0, 1):
             at = values[:, axis][self.triangles]
-            off = np.where((low != high)[:, None], self.entries, 0.0)
-            places = np.concatenate([self.triangles[low].ravel(), self.triangles[high].ravel()])
-            weights = np.concatenate([(self.entries * at[high]).ravel(), (off * at[low]).ravel()])
+            off = np.where((LOW != HIGH)[:, None], self.entries, 0.0)
+            places = np.concatenate([self.triangles[LOW].ravel(), self.triangles[HIGH].ravel()])
+            weights = np.concatenate([(self.entries * at[HIGH]).ravel(), (off * at[LOW]).ravel()])
             total[:, axis] = add_up(places, weights, len(values))
         return total.ravel()
 
@@ -116,7 +112,7 @@ class InertiaOperator:
 
 
 @dataclass(frozen=True)
-class _TowardsTarget:
+class _TowardsTarget(SimplePotential):
     """½ weight ‖x - target‖²_M, with M and weight given by the part that uses it."""
 
     mass: Mass
@@ -128,22 +124,6 @@ class _TowardsTarget:
     def evaluate(self, x: Array) -> MassEvaluation:
         """Return energy and derivatives at x."""
         return MassEvaluation(self.mass, x - self.target, self.span**-self.weight_power)
-
-    def largest_step(self, x: Array, direction: Array) -> float:
-        """Any step is admissible."""
-        return 1.0
-
-    def finish(self, x: Array) -> dict[str, Array]:
-        """Nothing is left behind."""
-        return {}
-
-    def observe(self, x: Array) -> dict[str, Array]:
-        """Nothing beside the motion itself."""
-        return {}
-
-    def measure(self, x: Array) -> dict[str, float]:
-        """Nothing to report."""
-        return {}
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,10 @@ from ..arrays import Array, Integers, add_up
 from ..body import Body
 from ..checks import one_of
 from ..growth import cortex_indicator
-from ..scene import Hessian, State
+from ..scene import Hessian, SimplePotential, State
 from . import material
 from .convexity import negative_part
+from .entries import lower, pairs, slope_products
 from .material import NeoHookean
 
 LAYERS = ("sigmoid", "sharp")
@@ -84,26 +85,20 @@ class ElasticOperator:
         slopes = body.quadrature.derivatives
         q = slopes.shape[2]
         self.slopes = slopes.reshape(6, 2 * q)
-        low, high = np.tril_indices(6)[::-1]
-        product = slopes[low][:, :, None] * slopes[high][:, None, :]
-        self.same = np.stack(
-            [product[:, 0, 0], product[:, 0, 1] + product[:, 1, 0], product[:, 1, 1]], axis=1
-        )
-        self.same = self.same.reshape(21, 3 * q)
+        self.same = slope_products(slopes)
         self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
-        self.rows, self.columns = self._places(low, high)
+        self.rows, self.columns = self._places()
         self.dofs = 2 * body.triangles[None] + np.arange(2)[:, None, None]  # (2, 6, e)
         self._grown: tuple[Array | None, Metric] | None = None
         self._undeformed = self.gradient(body.nodes.T)
         self._stretched: tuple[Array, Array] | None = None
 
-    def _places(self, low: Integers, high: Integers) -> tuple[Integers, Integers]:
+    def _places(self) -> tuple[Integers, Integers]:
         """Return where the 78 different entries of each element matrix go, each (78, e)."""
-        x = 2 * self.body.triangles
+        one, other = pairs(self.body.triangles)
         first, second = np.divmod(np.arange(36), 6)
-        one = np.concatenate([x[low], x[low] + 1, x[first]])
-        other = np.concatenate([x[high], x[high] + 1, x[second] + 1])
-        return np.maximum(one, other), np.minimum(one, other)
+        x = 2 * self.body.triangles
+        return lower(np.concatenate([one, x[first]]), np.concatenate([other, x[second] + 1]))
 
     def gradient(self, values: Array) -> Array:
         """Return ∂/∂ξ at the integration points, (2, 2, q, e), of nodal vectors (2 n_nodes,)."""
@@ -163,7 +158,7 @@ def metric(body: Body, growth: Array | None) -> Metric:
 
 
 @dataclass(frozen=True)
-class ElasticPotential:
+class ElasticPotential(SimplePotential):
     """The elastic energy of one growth state, as a function of the displacement."""
 
     operator: ElasticOperator
@@ -214,10 +209,6 @@ class ElasticPotential:
         """Return the smallest J*."""
         at = self.evaluate(x)
         return {"min_jacobian": float(at.J.min()) if at is not None else float("nan")}
-
-    def finish(self, x: Array) -> dict[str, Array]:
-        """Elasticity has no memory."""
-        return {}
 
 
 class ElasticEvaluation:
