@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from turingfold.outlines import outline, read_outline
+from turingfold.outlines import Fine, outline, read_outline
 from turingfold.outlines.fill import angles
 from turingfold.outlines.line import line
 from turingfold.outlines.repair import closed_outline, inside
@@ -279,3 +279,23 @@ def test_straight_and_quadratic_path_commands(tmp_path):
     x, y = read_outline(file, samples=4)
     assert x == pytest.approx(np.linspace(0, 4, 9))
     assert -y == pytest.approx(np.array([0, 0.75, 1, 0.75, 0, -0.75, -1, -0.75, 0]))
+
+
+def test_elements_are_finer_inside_a_disc_and_the_body_is_the_same():
+    points = half_circle()
+    options = {"thickness": 0.1, "size": 0.05, "base": "roller", "base_ends": ((-1, 0), (1, 0))}
+    plain = outline(points, **options)
+    body = outline(points, **options, fine=(Fine(centre=(0.0, 1.0), radius=0.3, share=0.4),))
+    mesh = body.mesh
+    assert angles(mesh.p, mesh.t).min() > 20
+    ends = mesh.p[:, mesh.facets]
+    length, middle = np.hypot(*(ends[:, 0] - ends[:, 1])), ends.mean(1)
+    away = np.hypot(middle[0], middle[1] - 1.0)
+    gray = np.hypot(*middle) > 0.9
+    assert length[gray & (away < 0.25)].mean() == pytest.approx(0.02, rel=0.15)
+    assert length[gray & (away > 0.6)].mean() == pytest.approx(0.05, rel=0.15)
+    assert body.quadrature.weights.sum() == pytest.approx(plain.quadrature.weights.sum(), rel=1e-5)
+    distance = body.pial_curve.nearest(body.nodes[:, body.interface])[0]
+    assert distance == pytest.approx(0.1, rel=5e-3)
+    with pytest.raises(ValueError, match="share=2"):
+        Fine(centre=(0.0, 1.0), radius=0.3, share=2.0)

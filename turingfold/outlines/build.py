@@ -30,6 +30,29 @@ BULGE = 0.1  # largest share of its length by which an edge of the interface is 
 CORNER = 30.0  # degrees by which a base must turn for its vertex to be kept
 
 
+@dataclass(frozen=True)
+class Fine:
+    """A disc in which the cortex has smaller elements: `share` of the asked size.
+
+    centre: (x, y), m.  radius: m; beyond it elements grow by the outline's `grading` to the asked size.
+    """
+
+    centre: tuple[float, float]
+    radius: float
+    share: float
+
+    def __post_init__(self) -> None:
+        finite_array("centre", self.centre, (2,))
+        positive("radius", self.radius)
+        positive(
+            "share", self.share, at_most=1.0, remedy="it is the part of the asked element size that is left"
+        )
+
+    def away(self, at: Array) -> Array:
+        """Return the distances of points (2, n) from the disc, 0 inside it, (n,); m."""
+        return np.asarray(np.maximum(0.0, np.hypot(*(at - np.array(self.centre)[:, None])) - self.radius))
+
+
 def outline(
     points: Any,
     *,
@@ -40,6 +63,7 @@ def outline(
     smooth: float = 0.0,
     tight: str = "refuse",
     grading: float = 0.35,
+    fine: tuple[Fine, ...] = (),
 ) -> Body:
     """Return the inside of a closed curve, meshed with its gray-white interface on element edges.
 
@@ -54,6 +78,7 @@ def outline(
     tight: where the thickness exceeds the radius of curvature, or half the distance of opposite sides,
     "refuse" (the message says where) or "trim": the interface, elsewhere the line at the depth `thickness`,
     is rounded there with the radius `size`.
+    fine: discs in which the cortex has smaller elements, as in zones with a thinner cortex or more growth.
     Raises ValueError for what cannot be meshed with angles of at least 20 degrees.
     """
     positive("thickness", thickness)
@@ -72,21 +97,27 @@ def outline(
     loop = closed_outline(points)
     free, ground = _parts(loop, base_ends)
     pial = line(thinned(free, ground is None, 0.1 * size), ground is None, smooth)
-    fine = pial.at(pial.spaced(0.25 * size))
-    around = fine if ground is None else np.concatenate([fine, ground[:, 1:-1]], axis=1)
+    around = pial.at(pial.spaced(0.25 * size))
+    if ground is not None:
+        around = np.concatenate([around, ground[:, 1:-1]], axis=1)
     refuse_crossings(around, "the outline after smoothing")
     white = interface(pial, thickness, around, size if tight == "trim" else 0.0)
     if ground is not None:
         white = onto_base(white, ground)
-    s, edge = _edge_lengths(pial, size, grading)
+
+    def finest(at: Array) -> Array:
+        limits = [disc.share * size + grading * disc.away(at) for disc in fine]
+        return np.asarray(np.min([np.full(at.shape[1], np.inf), *limits], axis=0))
+
+    s, edge = _edge_lengths(pial, size, grading, finest)
     tree = cKDTree(pial.at(s).T)
 
     def wanted(at: Array) -> Array:
         depth, nearest = tree.query(at.T)
-        by_depth = size + grading * np.maximum(0.0, depth - thickness)
-        return np.minimum(by_depth, edge[nearest] + grading * depth)
+        below = grading * np.maximum(0.0, depth - thickness)
+        return np.minimum(np.minimum(size, finest(at)) + below, edge[nearest] + grading * depth)
 
-    plan = _planned(pial, ground, white, wanted, size, _graded(s, edge))
+    plan = _planned(pial, ground, white, wanted, _graded(s, edge))
     return Body(_meshed(plan, wanted), thickness, base)
 
 
@@ -116,11 +147,11 @@ def _parts(loop: Array, base_ends: Any) -> tuple[Array, Array | None]:
     return np.concatenate([turned[:, count:], turned[:, :1]], axis=1), turned[:, : count + 1]
 
 
-def _edge_lengths(pial: Line, size: float, grading: float) -> tuple[Array, Array]:
+def _edge_lengths(pial: Line, size: float, grading: float, finest: Size) -> tuple[Array, Array]:
     """Return arc lengths along the pial surface, and the edge length there: less where it bends sharply."""
     s = np.linspace(0.0, pial.length, max(64, round(10 * pial.length / size)) + 1)
     radius = 1.0 / np.maximum(np.abs(pial.curvature(s)), BEND / (10 * size))
-    edge = np.clip(BEND * radius, FINEST * size, size)
+    edge = np.minimum(np.clip(BEND * radius, FINEST * size, size), finest(pial.at(s)))
     # away from bends it grows by `grading` at most; a closed curve goes round three times
     laps = 3 if pial.closed else 1
     along = np.concatenate([s + lap * pial.length for lap in range(laps)])
@@ -138,13 +169,11 @@ def _graded(s: Array, edge: Array, fewest: int = 6) -> Array:
     return np.interp(np.linspace(0.0, number[-1], count + 1), number, s)
 
 
-def _planned(
-    pial: Line, ground: Array | None, line_within: Array, wanted: Size, size: float, places: Array
-) -> _Plan:
+def _planned(pial: Line, ground: Array | None, line_within: Array, wanted: Size, places: Array) -> _Plan:
     """Put nodes on pial surface (at `places`), base and interface."""
     s = places[:-1] if pial.closed else places
     half_way = 0.5 * (places[1:] + places[:-1])
-    white, white_middles = _spread(line_within, size)
+    white, white_middles = _spread(line_within, wanted)
     surface, boundary = pial.at(s), len(s)
     if ground is None:
         ids = boundary + np.arange(white.shape[1])
@@ -168,19 +197,20 @@ def _named(edges: Integers, middles: Array) -> dict[tuple[int, int], Array]:
     return {(min(a, b), max(a, b)): m for (a, b), m in zip(edges.T.tolist(), middles.T, strict=True)}
 
 
-def _spread(white: Array, size: float) -> tuple[Array, Array]:
-    """Return vertices about `size` apart along a fine polyline, and the points half way between them.
+def _spread(white: Array, wanted: Size) -> tuple[Array, Array]:
+    """Return vertices spaced as wanted along a fine polyline, and the points half way between them.
 
     A line that ends where it begins has as many middles as vertices, an open one has one less.
     """
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(white, axis=1)))])
-    count = max(3, round(arc[-1] / size))
-    nodes = np.stack([np.interp(np.linspace(0.0, arc[-1], 2 * count + 1), arc, x) for x in white])
+    places = _graded(arc, wanted(white))
+    places = np.interp(np.arange(2 * len(places) - 1) / 2, np.arange(len(places)), places)
+    nodes = np.stack([np.interp(places, arc, x) for x in white])
     straight = 0.5 * (nodes[:, :-1:2] + nodes[:, 2::2])
     bulge, edge = np.hypot(*(nodes[:, 1::2] - straight)), np.hypot(*(nodes[:, 2::2] - nodes[:, :-1:2]))
     # at a kink of the interface a curved edge would fold its triangles
     middles = np.where(bulge < BULGE * edge, nodes[:, 1::2], straight)
-    closes = np.hypot(*(white[:, -1] - white[:, 0])) < 1e-9 * size
+    closes = np.array_equal(white[:, -1], white[:, 0])
     return nodes[:, :-1:2] if closes else nodes[:, ::2], middles
 
 
