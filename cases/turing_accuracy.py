@@ -157,8 +157,6 @@ def draw(results, figure):
         axes.set_ylabel("relative error at t = 50")
         axes.grid(alpha=0.3)
     panels[0].legend(fontsize=7, ncol=2)
-    for axes in panels:
-        axes.xaxis.set_minor_formatter(NullFormatter())
     for degree, colour in ((1, "#d55e00"), (2, "#0072b2")):
         nodes, errors = spatial_errors(degree, (48, 96, 192) if degree == 2 else (96, 192, 384))
         panels[2].loglog(nodes, errors, "o-", color=colour, label=f"P{degree}")
@@ -170,3 +168,5 @@ def draw(results, figure):
     panels[2].set_ylabel("largest error at a peak and a trough")
     panels[2].grid(alpha=0.3)
     panels[2].legend()
+    for axes in panels:
+        axes.xaxis.set_minor_formatter(NullFormatter())
