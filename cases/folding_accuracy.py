@@ -1,0 +1,246 @@
+"""Error of growth, onset of buckling, and folded state against run time. About 3 min.
+
+    turingfold run cases/folding_accuracy.py      stores results/folding_accuracy, draws its figure
+
+Left: a disc whose cortex (T/R = 0.1, sharp, kappa = 5 mu) grows by 20 %, and the growth at which it buckles,
+both against a spectral solution in the radius. Middle: the scene of Figure 3 with evenly spaced patches of
+tension in place of the pattern, on half the body, against 12 elements across the cortex. Right: the same at 3
+elements with equal steps, against 90 steps. Times of runs shorter than 2 s: medians of three.
+"""
+
+from importlib.util import find_spec
+from statistics import median
+from time import perf_counter
+from unittest.mock import patch
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
+
+from turingfold import (
+    AxonalTension,
+    Elastic,
+    NeoHookean,
+    Scene,
+    SelfContact,
+    Stepping,
+    TangentialGrowth,
+    buckling,
+    half,
+    semicircle,
+    simulate,
+)
+from turingfold.mechanics import linear, minimise
+
+DISC, GROWTH, ONSET = 0.1, 1.2, 2.0  # T/R; growth of the smooth disc and of the one that buckles
+MU, KAPPA = 1.0, 5.0
+THICKNESS, RADIUS = 2.5e-3, 0.0404  # of the brain, m
+ACROSS, FOLDED, FINEST = (1, 2, 3, 4, 6, 8), (2, 3, 4, 6, 8), 12
+STEPS, MOST = (5, 10, 15, 20, 30, 45), 90
+SHORT = 2.0  # s
+
+
+def disc(across, growth, stepping, **mesh):
+    """Return half of a half disc on rollers, which is a disc in its even modes."""
+    body = half(semicircle(radius=1.0, thickness=DISC, size=DISC / across, base="roller", **mesh))
+    grow = TangentialGrowth(cortex=growth, layers="sharp")
+    solid = Elastic(gray=NeoHookean(mu=MU, kappa=KAPPA))
+    return Scene(body=body, processes=(grow,), terms=(solid,), stepping=stepping)
+
+
+def brain(across, stepping):
+    body = half(semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / across))
+    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
+    terms = (Elastic(gray=gray, white=white), AxonalTension(strength=0.5, patches=12), SelfContact())
+    return Scene(body=body, processes=(TangentialGrowth(cortex=1.9),), terms=terms, stepping=stepping)
+
+
+def scenes(quick=False):
+    across, folded = (ACROSS[:3], (1, 2, 3)) if quick else (ACROSS, (*FOLDED, FINEST))
+    steps, most = ((5, 10), 20) if quick else (STEPS, MOST)
+    found = {f"disc, {n}": disc(n, GROWTH, Stepping(first=0.25, largest=0.25)) for n in across}
+    found |= {f"folded, {n}": brain(n, Stepping()) for n in folded}
+    equal = {n: Stepping(first=1 / n, largest=1 / n) for n in (*steps, most)}
+    return found | {f"steps, {n}": brain(2 if quick else 3, stepping) for n, stepping in equal.items()}
+
+
+class Radial:
+    """The growing disc in polynomials of the radius: its smooth state, and its stiffness against cos nθ.
+
+    With a = r', b = r/(g R) and F = diag(a, b, 1), P = α F + β cof F as in `turingfold.mechanics.material`.
+    """
+
+    def __init__(self, growth, degree=20):
+        x, weights = np.polynomial.legendre.leggauss(2 * degree)
+        nodes = -np.cos(np.pi * np.arange(degree + 1) / degree)
+        coefficients = np.linalg.inv(chebyshev.chebvander(nodes, degree))
+        shapes = chebyshev.chebvander(x, degree) @ coefficients
+        slopes = chebyshev.chebvander(x, degree - 1) @ chebyshev.chebder(coefficients)
+        ends, self.nodes = (0.0, 1.0 - DISC, 1.0), []
+        self.N, self.D = np.zeros((2, 4 * degree, 2 * degree + 1))
+        self.R, self.weight, self.g = np.zeros((3, 4 * degree))
+        for k in (0, 1):
+            at, own = np.s_[2 * degree * k : 2 * degree * (k + 1)], np.s_[degree * k : degree * (k + 1) + 1]
+            size = 0.5 * (ends[k + 1] - ends[k])
+            self.R[at], self.weight[at] = ends[k] + size * (1 + x), size * weights
+            self.N[at, own], self.D[at, own] = shapes, slopes / size
+            self.g[at] = growth if k else 1.0
+            self.nodes.append(ends[k] + size * (1 + nodes))
+        self.weight *= self.R * self.g
+        self.r = np.append(self.nodes[0], self.nodes[1][1:])
+        self._balance()
+
+    def _law(self):
+        a, b = self.D @ self.r, self.N @ self.r / (self.g * self.R)
+        J, trace = a * b, a * a + b * b + 1
+        alpha = MU * J ** (-2 / 3)
+        beta = KAPPA * (J - 1) - alpha * trace / (3 * J)
+        c1, c2 = -2 * alpha / (3 * J), KAPPA + 5 * alpha * trace / (9 * J**2)
+        aa, bb = alpha + 2 * c1 * J + c2 * b * b, alpha + 2 * c1 * J + c2 * a * a
+        return a, b, alpha, beta, aa, beta + c1 * (a * a + b * b) + c2 * J, bb
+
+    def _balance(self):
+        around = self.N / (self.g * self.R)[:, None]
+        for _ in range(12):  # Newton's method, far beyond what it needs
+            a, b, alpha, beta, aa, ab, bb = self._law()
+            force = self.D.T @ (self.weight * (alpha * a + beta * b))
+            force += around.T @ (self.weight * (alpha * b + beta * a))
+            K = _form(self.D, self.weight * aa) + _form(around, self.weight * bb)
+            mixed = _form(self.D, self.weight * ab, around)
+            self.r[1:] -= np.linalg.solve((K + mixed + mixed.T)[1:, 1:], force[1:])
+
+    def radius(self, R):
+        """Return where the radii R have gone."""
+        degree = len(self.r) // 2
+        core = self.r[degree] / (1.0 - DISC) * R  # a disc under even pressure keeps its shape
+        cortex = BarycentricInterpolator(self.nodes[1], self.r[degree:])
+        return np.where(R <= 1.0 - DISC, core, cortex(np.maximum(R, 1.0 - DISC)))
+
+    def stiffness(self, n):
+        """Return the lowest eigenvalue of the second variation for u_r = U cos nθ, u_θ = V sin nθ."""
+        _, _, alpha, beta, aa, ab, bb = self._law()
+        R, none = self.R[:, None], np.zeros_like(self.N)
+        rr, tr = np.hstack([self.D, none]), np.hstack([none, self.D])
+        tt = np.hstack([self.N, n * self.N]) / (R * self.g[:, None])
+        rt = np.hstack([-n * self.N, -self.N]) / (R * self.g[:, None])
+        w = self.weight
+        mixed = _form(rr, w * ab, tt) - _form(rt, w * beta, tr)
+        K = _form(rr, w * aa) + _form(tt, w * bb) + _form(rt, w * alpha) + _form(tr, w * alpha)
+        K += mixed + mixed.T
+        free = np.delete(np.arange(len(K)), [0, len(K) // 2])
+        return np.linalg.eigvalsh(K[np.ix_(free, free)])[0]
+
+
+def _form(left, weight, right=None):
+    return left.T @ (weight[:, None] * (left if right is None else right))
+
+
+def seconds(result, again=simulate):
+    """Return the time of a run without its writing; of a short one the median of three."""
+
+    def spent(of):
+        summary = of.summary()
+        return summary["seconds"] - summary["seconds_by_part"].get("writing", 0.0)
+
+    first = spent(result)
+    return first if first > SHORT else median([first, *(spent(again(result.scene)) for _ in range(2))])
+
+
+def without_cholmod(scene):
+    with patch.object(minimise, "solver_for", linear.SuperLu):
+        return simulate(scene)
+
+
+def growth_error(result):
+    """Return the largest error of a node's place over the largest displacement."""
+    nodes, moved = result.scene.body.nodes, result.last["displacement"]
+    R = np.hypot(*nodes)
+    exact = nodes * (Radial(GROWTH).radius(R) / np.where(R > 0, R, 1.0))
+    return np.hypot(*(nodes + moved - exact)).max() / np.hypot(*moved).max()
+
+
+def onsets(across, **mesh):
+    """Return times and growths at which discs buckle."""
+    found = []
+    for n in across:
+        scene, began = disc(n, ONSET, Stepping(first=0.1, largest=0.1), **mesh), perf_counter()
+        growth = buckling(scene).growth
+        found.append((perf_counter() - began, growth))
+    return np.array(found).T
+
+
+def order(across, errors):
+    """Return the order seen between the first and the last error."""
+    return np.log(errors[0] / errors[-1]) / np.log(across[-1] / across[0])
+
+
+def numbers(result):
+    """Return energy, gyrification index and sulcal depth in units of the thickness."""
+    summary = result.summary()
+    depth = summary["sulcal_depth"] / result.scene.body.thickness
+    return np.array([summary["energy"], summary["gyrification_index"], depth])
+
+
+def draw_disc(axes, runs):
+    across = list(runs)
+    errors = [growth_error(result) for result in runs.values()]
+    label = f"smooth growth, order {order(across, errors):.1f}"
+    axes.loglog([seconds(result) for result in runs.values()], errors, "o-", label=label)
+    exact = min(brentq(lambda g, n=n: Radial(g).stiffness(n), 1.5, 1.9, xtol=1e-9) for n in (12, 14, 16))
+    for name, mesh in {"": {}, ", finer core": {"coarsening": 1.1}}.items():
+        chosen = [n for n in across if n > 1 or not mesh]
+        times, growths = onsets(chosen, **mesh)
+        errors = np.abs(growths / exact - 1)
+        label = f"onset of buckling{name}, order {order(chosen, errors):.1f}"
+        axes.loglog(times, errors, "s-", label=label)
+        for n, *at in zip(chosen, times, errors, strict=True):
+            axes.annotate(n, at, xytext=(4, 4), textcoords="offset points", fontsize=8)
+    axes.set_title(f"growing disc; it buckles at {exact:.5f}")
+    axes.set_ylabel("relative error")
+
+
+def draw_folded(axes, runs):
+    *across, finest = runs
+    exact = numbers(runs[finest])
+    errors = np.array([np.abs(numbers(runs[n]) / exact - 1) for n in across]).T
+    times = [seconds(runs[n]) for n in across]
+    for name, error in zip(("energy", "gyrification index", "sulcal depth"), errors, strict=True):
+        axes.loglog(times, error, "o-", label=f"{name}, order {order(across, error):.1f}")
+    for n, time, error in zip(across, times, errors[0], strict=True):
+        axes.annotate(n, (time, error), xytext=(4, 4), textcoords="offset points", fontsize=8)
+    folds = sorted({run.summary()["folds"] for run in runs.values()})
+    words = f"energy {exact[0]:.4g} J/m, index {exact[1]:.3f}, depth {exact[2]:.3f} T"
+    title = f"folded, {' or '.join(map(str, folds))} sulci; {finest} elements: {seconds(runs[finest]):.0f} s"
+    axes.set_title(f"{title},\n{words}")
+    axes.set_ylabel(f"relative difference to {finest} elements")
+
+
+def draw_steps(axes, runs):
+    *steps, most = runs
+    exact, unit = runs[most], runs[most].scene.body.thickness
+    solvers = {"CHOLMOD": simulate, "SuperLU": without_cholmod}
+    for name, again in solvers.items() if find_spec("cvxopt") else [("SuperLU", simulate)]:
+        found = {n: runs[n] if again is simulate else again(runs[n].scene) for n in steps}
+        times = [seconds(found[n], again) for n in steps]
+        energy = [abs(numbers(found[n])[0] / numbers(exact)[0] - 1) for n in steps]
+        shape = [np.hypot(*(found[n].pial() - exact.pial())).max() / unit for n in steps]
+        style = "o-" if again is simulate else "x--"
+        axes.loglog(times, np.maximum(energy, 1e-16), style, color="C0", label=f"energy, {name}")
+        axes.loglog(times, np.maximum(shape, 1e-16), style, color="C1", label=f"largest distance / T, {name}")
+        for n, time, error in zip(steps, times, shape, strict=True):
+            axes.annotate(n, (time, error), xytext=(4, 4), textcoords="offset points", fontsize=8)
+    axes.set_title(f"number of equal steps; {most}: {seconds(exact):.0f} s")
+    axes.set_ylabel(f"difference to {most} steps")
+
+
+def draw(results, figure):
+    figure.set_size_inches(15, 5.5)
+    panels = figure.subplots(1, 3)
+    drawn = {"disc": draw_disc, "folded": draw_folded, "steps": draw_steps}
+    for axes, (kind, function) in zip(panels, drawn.items(), strict=True):
+        names = {name.partition(", ")[::2]: result for name, result in results.items()}
+        function(axes, {int(n): result for (own, n), result in names.items() if own == kind})
+        axes.set_xlabel("run time (s)")
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8)
