@@ -50,7 +50,7 @@ def draw(results, figure):
         shown[f"{side}, P0"] = result, 0
         shown[f"{side}, grown"] = result, -1
         ratio, gi = end / start, PUBLISHED[side]
-        notes[f"{side}, grown"] = f"perimeter {ratio:.3f} of P0, stage 4: GI {gi:.3f} (dotted)"
+        notes[f"{side}, grown"] = f"perimeter {ratio:.3f} times P0's; stage 4: GI {gi:.3f} (dotted)"
     drawn = panels.grid(figure, shown, columns=4, notes=notes, width=2.6)
     for axes, side in zip(drawn[1::2], results, strict=True):
         x, y = section(side, 4)
