@@ -1,5 +1,6 @@
 """The mixed element: derivatives, bubbles, exact states, the incompressible limit, Newton iterations."""
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,53 +10,14 @@ from skfem import MeshTri1
 from turingfold.body import Body
 from turingfold.geometry import semicircle
 from turingfold.growth import TangentialGrowth
-from turingfold.mechanics import march as marching
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
-from turingfold.mechanics.minimise import ARMIJO, SHORTEST, Minimiser
-from turingfold.mechanics.mixed import MixedOperator
-from turingfold.mechanics.rays import Inner, rays, reached
-from turingfold.scene import InadmissibleStateError, NotConvergedError, Scene, State, Stepping
+from turingfold.scene import InadmissibleStateError, Scene, State, Stepping
 from turingfold.tension import DeadTension
 
-
-@dataclass(frozen=True, kw_only=True)
-class Mixed(Elastic):
-    """Elasticity with the mixed element."""
-
-    def on(self, body):
-        return MixedOperator(body, *self.moduli(body))
-
-
-class RayMinimiser(Minimiser):
-    """The minimiser with the search along rays."""
-
-    def _search(self, potentials, x, at, slope, direction, residual):
-        decrease = float(slope @ direction[self.gatherer.free])
-        if not decrease <= 0:
-            raise NotConvergedError("the Newton direction leads uphill", residual=residual)
-        along = rays(potentials, at, x, direction, decrease)
-        step = min(ray.longest for ray in along)
-        merit, fall = sum(ray.start for ray in along), decrease + sum(ray.excess for ray in along)
-        noise = sum(e.grain for e in at)
-        while step > SHORTEST:
-            there = reached(along, step)
-            if there is not None and there[0] <= merit + ARMIJO * step * fall + noise:
-                return x + step * direction, there[1]
-            step *= 0.5
-        raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
-
-    def minimise(self, potentials, x):
-        found = super().minimise(potentials, x)
-        if any(isinstance(p.evaluate(found.x), Inner) for p in potentials):
-            self.forget()  # the tangent of bubbles that settle anew is not the same to the last bit
-        return found
-
-
-@pytest.fixture(autouse=True)
-def along_rays(monkeypatch):
-    monkeypatch.setattr(marching, "Minimiser", RayMinimiser)
+Mixed = partial(Elastic, element="mixed")
+Quadratic = partial(Elastic, element="quadratic")
 
 
 def material(poisson, mu=1.0):
@@ -150,7 +112,7 @@ def test_what_is_shown_is_what_the_quadratic_element_shows_where_both_are_exact(
     body, F = square(), [[1.2, 0.3], [-0.1, 0.9]]
     state, x = grown(body, cortex=1.3, core=1.3, out_of_plane="tangential"), stretched(body, F)
     mixed, quadratic = (
-        kind(gray=material(0.4)).on(body).during(state, 0.1).observe(x) for kind in (Mixed, Elastic)
+        kind(gray=material(0.4)).on(body).during(state, 0.1).observe(x) for kind in (Mixed, Quadratic)
     )
     assert set(mixed) == set(quadratic)
     for name, values in quadratic.items():
@@ -227,7 +189,7 @@ def pushed(kind, n):
 
 
 def test_a_compressible_solid_is_that_of_the_quadratic_element():
-    coarse, fine = (abs(pushed(Mixed, n) - pushed(Elastic, n)) for n in (4, 8))
+    coarse, fine = (abs(pushed(Mixed, n) - pushed(Quadratic, n)) for n in (4, 8))
     assert fine < 2e-4
     assert fine < coarse / 2
 
@@ -341,3 +303,20 @@ def test_derivatives_hold_with_stiffness_and_growth_of_every_kind(body):
     potential = term.on(body).during(consistent(term, body, varied, x), 0.1)
     check_derivatives(potential, x, 2e-5)
     assert potential.evaluate(x).energy != plain.evaluate(x).energy
+
+
+CHOICES = [(0.4583, False), (0.4899, False), (0.49, True), (0.4999, True)]
+
+
+@pytest.mark.parametrize(("poisson", "mixed"), CHOICES)
+def test_the_element_is_chosen_by_poissons_ratio(poisson, mixed):
+    stiff = material(poisson)
+    assert Elastic(gray=stiff).mixed is mixed
+    assert Elastic(gray=material(0.3), white=stiff).mixed is mixed
+    assert Mixed(gray=stiff).mixed
+    assert not Quadratic(gray=stiff).mixed
+
+
+def test_an_unknown_element_is_refused():
+    with pytest.raises(ValueError, match="element='linear' must be one of 'auto', 'quadratic', 'mixed'"):
+        Elastic(gray=material(0.3), element="linear")

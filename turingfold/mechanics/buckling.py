@@ -19,8 +19,8 @@ from ..body import Body
 from ..checks import finite, positive
 from ..scene import NotConvergedError, Scene, SolveError, State
 from .buckling_path import BasePath, BaseState
-from .inertia import negative_pivots as negative_pivots
 from .march import Progress
+from .pivots import negative_pivots as negative_pivots
 
 VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
 FINEST = 1e-4  # smallest step towards a limit point, as a share of the scene's time

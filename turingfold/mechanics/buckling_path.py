@@ -11,9 +11,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from ..arrays import Array
 from ..scene import Evaluation, NotConvergedError, Potential, Scene, State
-from .inertia import Indefinite, symmetric
 from .linear import Gatherer, Pattern
 from .march import begin
+from .pivots import Indefinite, symmetric
 from .rays import evaluations, rays, reached
 
 STRAY = 1.0  # a correction larger than this share of the step itself has left the base path

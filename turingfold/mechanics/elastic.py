@@ -19,13 +19,15 @@ from ..arrays import Array, Integers, add_up
 from ..body import Body
 from ..checks import one_of
 from ..growth import cortex_indicator
-from ..scene import Hessian, SimplePotential, State
+from ..scene import Hessian, Operator, SimplePotential, State
 from . import material
 from .convexity import negative_part
 from .entries import lower, pairs, slope_products
 from .material import NeoHookean
 
 LAYERS = ("sigmoid", "sharp")
+ELEMENTS = ("auto", "quadratic", "mixed")
+NEARLY_INCOMPRESSIBLE = 0.49  # Poisson's ratio from which the quadratic element locks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,14 +39,18 @@ class Elastic:
 
     layers: "sharp" takes the moduli by element; "sigmoid" blends them by θ(y) = 1/(1 + exp(10 (y/T - 1))).
     Without `white` the whole body is gray.
+    element: "quadratic" triangles, "mixed" ones with a bubble and their own pressure, which do not lock, or
+    "auto": mixed where a Poisson's ratio is at least 0.49.
     """
 
     gray: NeoHookean
     white: NeoHookean | None = None
     layers: str = "sharp"
+    element: str = "auto"
 
     def __post_init__(self) -> None:
         one_of("layers", self.layers, LAYERS)
+        one_of("element", self.element, ELEMENTS)
         for name, value in (("gray", self.gray), ("white", self.white)):
             if not (isinstance(value, NeoHookean) or (name == "white" and value is None)):
                 raise ValueError(
@@ -61,8 +67,19 @@ class Elastic:
         """The largest shear modulus, the scene's unit of stress; Pa."""
         return max(self.gray.mu, self.white.mu if self.white else 0.0)
 
-    def on(self, body: Body) -> ElasticOperator:
+    @property
+    def mixed(self) -> bool:
+        """Whether the mixed element is used."""
+        ratios = [layer.poisson for layer in (self.gray, self.white) if layer is not None]
+        nearly = max(ratios) >= NEARLY_INCOMPRESSIBLE - 1e-12
+        return self.element == "mixed" or (self.element == "auto" and nearly)
+
+    def on(self, body: Body) -> Operator:
         """Return the term discretised on `body`."""
+        if self.mixed:
+            from .mixed import MixedOperator
+
+            return MixedOperator(body, *self.moduli(body))
         return ElasticOperator(body, *self.moduli(body))
 
     def moduli(self, body: Body) -> tuple[Array, Array]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..scene import Evaluation, NotConvergedError, Potential
-from .inertia import negative_pivots
 from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
+from .pivots import negative_pivots
+from .rays import evaluations, has_inner, rays, reached
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 DOUBLINGS = 8  # of a step away from a saddle
@@ -103,7 +104,7 @@ class Minimiser:
 
     def certify(self, potentials: Sequence[Potential], x: Array) -> None:
         """Factorise the tangent at an equilibrium found earlier, as its own minimisation did."""
-        at = _evaluate(potentials, x)
+        at = evaluations(potentials, x)
         if at is not None:
             self._certified(at)
 
@@ -112,7 +113,7 @@ class Minimiser:
 
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
-        at = _evaluate(potentials, x)
+        at = evaluations(potentials, x)
         if at is None:
             raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
         tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
@@ -160,8 +161,10 @@ class Minimiser:
 
     def _certified(self, at: list[Evaluation]) -> int:
         """Keep the tangent if it is positive definite; return the number of its negative pivots."""
-        self._tangent = self._factorized(at, 0.0)
-        if self._tangent is not None:
+        found = self._factorized(at, 0.0)
+        # inner unknowns settle anew in the next step: their tangent is not the same to the last bit
+        self._tangent = None if has_inner(at) else found
+        if found is not None:
             return 0
         return negative_pivots(*self.gatherer.gather([e.hessian(0.0) for e in at if e.curved]))
 
@@ -194,24 +197,22 @@ class Minimiser:
     ) -> tuple[Array, list[Evaluation]]:
         """Return the next configuration: the longest admissible step that lowers the energy enough."""
         begin = perf_counter()
-        energy = sum(e.energy for e in at)
         decrease = float(slope @ direction[self.gatherer.free])
         if not decrease <= 0:
             raise NotConvergedError("the Newton direction leads uphill", residual=residual)
-        step = min(p.largest_step(x, direction) for p in potentials)
+        along = rays(potentials, at, x, direction, decrease)
+        step = min(ray.longest for ray in along)
         begin = self.effort.add("step bounds", begin)
+        merit, fall = sum(ray.start for ray in along), decrease + sum(ray.excess for ray in along)
         noise = sum(e.grain for e in at)  # near the minimum, round-off hides the decrease
         while step > SHORTEST:
-            trial = x + step * direction
-            there = _evaluate(potentials, trial)
-            if (
-                there is not None
-                and sum(e.energy for e in there) <= energy + ARMIJO * step * decrease + noise
-            ):
-                if self._level and step == 1.0:
-                    trial, there = _lengthened(potentials, x, trial, there)
+            there = reached(along, step)
+            if there is not None and there[0] <= merit + ARMIJO * step * fall + noise:
+                end = x + step * direction, there[1]
+                if self._level and step == 1.0 and not has_inner(at):
+                    end = _lengthened(potentials, x, *end)
                 self.effort.add("line searches", begin)
-                return trial, there
+                return end
             step *= 0.5
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
 
@@ -227,19 +228,8 @@ def _lengthened(
         onward = 2.0 * (trial - x)
         if min(p.largest_step(x, onward) for p in potentials) < 1.0:
             break
-        farther = _evaluate(potentials, x + onward)
+        farther = evaluations(potentials, x + onward)
         if farther is None or sum(e.energy for e in farther) >= sum(e.energy for e in there):
             break
         trial, there = x + onward, farther
     return trial, there
-
-
-def _evaluate(potentials: Sequence[Potential], x: Array) -> list[Evaluation] | None:
-    """Return all evaluations at x, or None where one is not admissible."""
-    found = []
-    for potential in potentials:
-        at = potential.evaluate(x)
-        if at is None or not np.isfinite(at.energy):
-            return None
-        found.append(at)
-    return found
