@@ -322,3 +322,9 @@ def test_a_body_without_white_matter_has_no_interface():
     with pytest.raises(ValueError, match="thickness") as failure:
         _ = body.interface
     message_names(failure.value, "no white matter")
+
+
+@pytest.mark.parametrize("layers", [1, 2, 5])
+def test_elements_through_the_cortex_are_counted(layers):
+    body = semicircle(radius=1.0, thickness=0.2, size=0.2 / layers)
+    assert body.elements_through_cortex == pytest.approx(layers, rel=1e-6)

@@ -9,7 +9,7 @@ from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
 from turingfold import NotConvergedError, Stepping, StoppedError, half, load, semicircle, simulate
 
 KEYS = {
-    "dofs", "triangles", "steps", "newton_iterations", "factorizations", "seconds", "seconds_by_part",
+    "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations", "seconds", "seconds_by_part",
     "growth", "energy", "residual", "min_jacobian", "min_gap", "self_intersections", "gyrification_index",
     "folds", "sulcal_depth", "mirror_error", "registration", "converged",
 }  # fmt: skip
@@ -104,6 +104,7 @@ def test_summary_of_a_scene_without_pattern_and_contact(grown):
     assert set(summary) == KEYS
     assert summary["dofs"] == 2 * (body.nodes.shape[1] - base.sum())  # clamped
     assert summary["triangles"] == body.mesh.nelements
+    assert summary["elements_through_cortex"] == 1.0
     assert summary["growth"] == GROWTH
     assert summary["steps"] == len(grown.history)
     assert summary["newton_iterations"] == sum(row["newton_iterations"] for row in grown.history)

@@ -173,6 +173,13 @@ class Body:
         return self.pial_curve.nearest(centres)[0] < self.thickness
 
     @cached_property
+    def elements_through_cortex(self) -> float:
+        """How many elements lie on top of each other in the cortex: T over the median depth they span."""
+        gray = self.mesh.t[:, self.in_cortex]
+        depth = self.pial_curve.nearest(self.mesh.p[:, gray.ravel()])[0].reshape(gray.shape)
+        return float(self.thickness / np.median(np.ptp(depth, axis=0)))
+
+    @cached_property
     def cortex(self) -> Band:
         """The cortical band as a mesh of its own, with the boundaries "pial" and "interface"."""
         return _submesh(self, np.flatnonzero(self.in_cortex))

@@ -24,6 +24,7 @@ from .scene import Scene, SolveError
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
 POLL = 0.2  # s between looks at what other processes have done
+ENOUGH = 4  # elements through the cortex: the onset of buckling is then within 0.1 %
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
             stopped = _in_turn(jobs, scenes, report)
     begun = [job for job in jobs if (job.folder / "states").is_dir()]
     results = {job.name: load(job.folder, known=case.known) for job in begun}
+    _warn_if_coarse(results)
     for line in told(case.name, results, base):
         print(line)
     for name, message in stopped.items():
@@ -68,6 +70,16 @@ def run(options: argparse.Namespace) -> int:
         else:
             print(f"figure: {draw(case, options)}")
     return 0
+
+
+def _warn_if_coarse(results: Mapping[str, Result]) -> None:
+    few = min((r.scene.body.elements_through_cortex for r in results.values()), default=ENOUGH)
+    if few < ENOUGH - 0.01:
+        print(
+            f"turingfold: note: only {few:.2g} elements through the cortex; folds form too late with fewer than "
+            f"{ENOUGH}, make size= smaller for numbers to quote",
+            file=sys.stderr,
+        )
 
 
 def results_of(case: Case, options: argparse.Namespace) -> Path:

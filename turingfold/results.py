@@ -73,6 +73,7 @@ class Result:
         return {
             "dofs": body.nodes.size - len(body.fixed),
             "triangles": body.mesh.nelements,
+            "elements_through_cortex": round(body.elements_through_cortex, 2),
             "steps": len(rows),
             "newton_iterations": int(sum(row["newton_iterations"] for row in rows)),
             "factorizations": int(sum(row["factorizations"] for row in rows)),
