@@ -82,7 +82,8 @@ def written(tmp_path, monkeypatch):
 def test_run_writes_results_figure_and_five_lines(written, tmp_path, capsys):
     assert main(["run", written(GROWS)]) == 0
     out, err = capsys.readouterr()
-    assert err == ""  # the bar is for terminals
+    assert "note: only 1 element(s) through the cortex" in err
+    assert len(err.splitlines()) == 1  # the bar is for terminals
     lines = out.splitlines()
     assert len(lines) == 6  # five and the figure
     assert lines[0].startswith("tiny, grows: reached the end at growth 1.20")

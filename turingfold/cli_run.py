@@ -76,8 +76,8 @@ def _warn_if_coarse(results: Mapping[str, Result]) -> None:
     few = min((r.scene.body.elements_through_cortex for r in results.values()), default=ENOUGH)
     if few < ENOUGH - 0.01:
         print(
-            f"turingfold: note: only {few:.2g} elements through the cortex; folds form too late with fewer than "
-            f"{ENOUGH}, make size= smaller for numbers to quote",
+            f"turingfold: note: only {few:.2g} element(s) through the cortex; folds form too late with fewer "
+            f"than {ENOUGH}, so make size= smaller for numbers to quote",
             file=sys.stderr,
         )
 
