@@ -6,6 +6,15 @@ Left: a disc whose cortex (T/R = 0.1, sharp, kappa = 5 mu) grows by 20 %, and th
 both against a spectral solution in the radius. Middle: the scene of Figure 3 with evenly spaced patches of
 tension in place of the pattern, on half the body, against 12 elements across the cortex. Right: the same at 3
 elements with equal steps, against 90 steps. Times of runs shorter than 2 s: medians of three.
+
+    elements across   growth    onset     folded: energy   gyrification   sulcal depth
+    2                 8.0e-5    2.7e-3    5.1e-2           3.8e-2         6.0e-2
+    4                 1.1e-5    3.1e-4    1.3e-2           1.4e-2         2.1e-2
+    8                 1.5e-6    8.7e-5    2.1e-3           4.3e-3         5.5e-3
+
+From 4 elements on, the onset errs by the coarse core: coarsening = 1.1 in place of 1.35 halves it at 4 and
+quarters it at 8. The folded state hardly depends on the steps: 15, 20, 30 and 90 end in the same equilibrium,
+to 1e-15 of its energy; 5, 10 and 45 in a neighbouring one, 5e-4 higher at most and 0.24 T away at one place.
 """
 
 from importlib.util import find_spec
@@ -225,9 +234,10 @@ def draw_steps(axes, runs):
         times = [seconds(found[n], again) for n in steps]
         energy = [abs(numbers(found[n])[0] / numbers(exact)[0] - 1) for n in steps]
         shape = [np.hypot(*(found[n].pial() - exact.pial())).max() / unit for n in steps]
-        style = "o-" if again is simulate else "x--"
-        axes.loglog(times, np.maximum(energy, 1e-16), style, color="C0", label=f"energy, {name}")
-        axes.loglog(times, np.maximum(shape, 1e-16), style, color="C1", label=f"largest distance / T, {name}")
+        # no lines: paths end in the same equilibrium, to round-off, or in a neighbouring one
+        style = "o" if again is simulate else "x"
+        axes.semilogy(times, np.maximum(energy, 1e-16), style, color="C0", label=f"energy, {name}")
+        axes.semilogy(times, np.maximum(shape, 1e-16), style, color="C1", label=f"largest distance / T, {name}")
         for n, time, error in zip(steps, times, shape, strict=True):
             axes.annotate(n, (time, error), xytext=(4, 4), textcoords="offset points", fontsize=8)
     axes.set_title(f"number of equal steps; {most}: {seconds(exact):.0f} s")
@@ -235,6 +245,8 @@ def draw_steps(axes, runs):
 
 
 def draw(results, figure):
+    from matplotlib.ticker import NullFormatter
+
     figure.set_size_inches(15, 5.5)
     panels = figure.subplots(1, 3)
     drawn = {"disc": draw_disc, "folded": draw_folded, "steps": draw_steps}
@@ -242,5 +254,6 @@ def draw(results, figure):
         names = {name.partition(", ")[::2]: result for name, result in results.items()}
         function(axes, {int(n): result for (own, n), result in names.items() if own == kind})
         axes.set_xlabel("run time (s)")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
