@@ -13,10 +13,10 @@ from turingfold.growth import TangentialGrowth
 from turingfold.mechanics.buckling import buckling, half_waves, negative_pivots
 from turingfold.mechanics.buckling_path import BasePath
 from turingfold.mechanics.elastic import Elastic
-from turingfold.mechanics.linear import Pattern
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
 from turingfold.mechanics.mixed import MixedOperator
+from turingfold.mechanics.pattern import Pattern
 from turingfold.mechanics.pivots import Indefinite
 from turingfold.scene import NotConvergedError, Scene, Stepping
 

@@ -12,8 +12,9 @@ from skfem import MeshTri1
 
 from turingfold.body import Body
 from turingfold.mechanics.elastic import Elastic
-from turingfold.mechanics.linear import Gatherer, NotPositiveDefinite, solver_for
+from turingfold.mechanics.linear import NotPositiveDefinite, solver_for
 from turingfold.mechanics.material import NeoHookean
+from turingfold.mechanics.pattern import Gatherer
 from turingfold.scene import State
 
 DEPTH = 12.0  # of cortex and core together, in thicknesses of the cortex

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csc_matrix, tril
 
-from turingfold.mechanics.linear import Cholmod, Gatherer, NotPositiveDefinite, Pattern, SuperLu, solver_for
+from turingfold.mechanics.linear import Cholmod, NotPositiveDefinite, SuperLu, solver_for
+from turingfold.mechanics.pattern import Gatherer, Pattern
 from turingfold.scene import Hessian
 
 SOLVERS = [SuperLu, pytest.param(Cholmod, id="Cholmod")]

@@ -9,8 +9,9 @@ from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
 from turingfold import NotConvergedError, Stepping, StoppedError, half, load, semicircle, simulate
 
 KEYS = {
-    "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations", "seconds",
-    "seconds_by_part", "growth", "energy", "residual", "min_jacobian", "min_gap", "self_intersections", "gyrification_index",
+    "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
+    "seconds", "seconds_by_part", "growth", "energy", "residual", "min_jacobian", "min_gap",
+    "self_intersections", "gyrification_index",
     "folds", "sulcal_depth", "mirror_error", "registration", "converged",
 }  # fmt: skip
 

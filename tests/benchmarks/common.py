@@ -8,7 +8,8 @@ import numpy as np
 
 from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
 from turingfold.body import Body
-from turingfold.mechanics.linear import Gatherer, NotPositiveDefinite, solver_for
+from turingfold.mechanics.linear import NotPositiveDefinite, solver_for
+from turingfold.mechanics.pattern import Gatherer
 from turingfold.results import Result
 
 CASES = Path(__file__).parents[2] / "cases"

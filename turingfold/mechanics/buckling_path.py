@@ -11,8 +11,8 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from ..arrays import Array
 from ..scene import Evaluation, NotConvergedError, Potential, Scene, State
-from .linear import Gatherer, Pattern
 from .march import begin
+from .pattern import Gatherer, Pattern
 from .pivots import Indefinite, symmetric
 from .rays import evaluations, rays, reached
 

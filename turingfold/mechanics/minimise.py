@@ -10,7 +10,8 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..scene import Evaluation, NotConvergedError, Potential
-from .linear import Gatherer, NotPositiveDefinite, Pattern, Solver, solver_for
+from .linear import NotPositiveDefinite, Solver, solver_for
+from .pattern import Gatherer, Pattern
 from .pivots import negative_pivots
 from .rays import evaluations, has_inner, rays, reached
 

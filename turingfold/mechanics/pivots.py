@@ -10,11 +10,11 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from ..arrays import Array, Integers
 from ..scene import NotConvergedError
-from .linear import Pattern
+from .pattern import Pattern
 
 
 def negative_pivots(pattern: Pattern, values: Array) -> int:
-    """Return the number of negative eigenvalues of a symmetric matrix (see `linear.Pattern`)."""
+    """Return the number of negative eigenvalues of a symmetric matrix (see `pattern.Pattern`)."""
     return Indefinite(pattern).factorize(values).negative
 
 
