@@ -1,5 +1,4 @@
-"""Ferret, real outlines: coronal sections of a P0 brain fold until their perimeter is that of the published
-one. 20 s.
+"""Ferret, real outlines: coronal sections of a P0 brain fold until they are as long as the published. 20 s.
 
     turingfold run cases/ferret_outlines.py      draws figures/ferret_outlines.png
 

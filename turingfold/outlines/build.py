@@ -81,19 +81,7 @@ def outline(
     fine: discs in which the cortex has smaller elements, as in zones with a thinner cortex or more growth.
     Raises ValueError for what cannot be meshed with angles of at least 20 degrees.
     """
-    positive("thickness", thickness)
-    one_of("base", base, BASES)
-    one_of("tight", tight, TIGHT)
-    between("smooth", smooth, 0.0, float("inf"))
-    between("grading", grading, 0.0, 1.0)
-    if positive("size", size) > 2 * thickness:
-        raise ValueError(
-            f"size={size:g} m must be at most twice the thickness {thickness:g} m; use smaller elements."
-        )
-    if base != "free" and base_ends is None:
-        raise ValueError(
-            f"base={base!r} needs base_ends=((x, y), (x, y)): where along the outline the base lies."
-        )
+    _check_options(thickness, size, base, base_ends, smooth, tight, grading)
     loop = closed_outline(points)
     free, ground = _parts(loop, base_ends)
     pial = line(thinned(free, ground is None, 0.1 * size), ground is None, smooth)
@@ -119,6 +107,24 @@ def outline(
 
     plan = _planned(pial, ground, white, wanted, _graded(s, edge))
     return Body(_meshed(plan, wanted), thickness, base)
+
+
+def _check_options(
+    thickness: float, size: float, base: str, base_ends: Any, smooth: float, tight: str, grading: float
+) -> None:
+    positive("thickness", thickness)
+    one_of("base", base, BASES)
+    one_of("tight", tight, TIGHT)
+    between("smooth", smooth, 0.0, float("inf"))
+    between("grading", grading, 0.0, 1.0)
+    if positive("size", size) > 2 * thickness:
+        raise ValueError(
+            f"size={size:g} m must be at most twice the thickness {thickness:g} m; use smaller elements."
+        )
+    if base != "free" and base_ends is None:
+        raise ValueError(
+            f"base={base!r} needs base_ends=((x, y), (x, y)): where along the outline the base lies."
+        )
 
 
 @dataclass(frozen=True, eq=False)
