@@ -43,6 +43,8 @@ def simulate(
     progress: is called with each new row of the history.
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
     overwrite: replace a result that `out` holds.  frames: states kept on disk, evenly spaced in time.
+    Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
+    OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
     Raises StoppedError where no step is possible any more, ValueError where `out` holds something else,
     OutputError (an OSError) where it cannot be written.
     """
