@@ -236,8 +236,8 @@ def draw_steps(axes, runs):
         shape = [np.hypot(*(found[n].pial() - exact.pial())).max() / unit for n in steps]
         # no lines: paths end in the same equilibrium, to round-off, or in a neighbouring one
         style = "o" if again is simulate else "x"
-        axes.semilogy(times, np.maximum(energy, 1e-16), style, color="C0", label=f"energy, {name}")
-        axes.semilogy(times, np.maximum(shape, 1e-16), style, color="C1", label=f"largest distance / T, {name}")
+        for colour, errors, what in (("C0", energy, "energy"), ("C1", shape, "largest distance / T")):
+            axes.semilogy(times, np.maximum(errors, 1e-16), style, color=colour, label=f"{what}, {name}")
         for n, time, error in zip(steps, times, shape, strict=True):
             axes.annotate(n, (time, error), xytext=(4, 4), textcoords="offset points", fontsize=8)
     axes.set_title(f"number of equal steps; {most}: {seconds(exact):.0f} s")
@@ -256,4 +256,4 @@ def draw(results, figure):
         axes.set_xlabel("run time (s)")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=8)
+        axes.legend(fontsize=8, loc=(0.35, 0.3) if kind == "steps" else "best")
