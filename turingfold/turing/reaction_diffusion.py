@@ -15,6 +15,7 @@ from skfem import Basis, ElementTriP1, ElementTriP2, MeshTri1, MeshTri2
 from skfem.models.poisson import laplace, mass
 
 from ..arrays import Array
+from ..body import straight_mesh
 from ..checks import finite_array, positive
 from .kinetics import Kinetics
 from .linear import Blocks, Pattern, Solver
@@ -76,7 +77,7 @@ def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Disc
         )
     if degree == 1:
         nodes = np.asarray(mesh.p[:, : mesh.nvertices], dtype=float)
-        basis = Basis(MeshTri1(nodes, mesh.t, validate=False), ElementTriP1(), intorder=2)
+        basis = Basis(straight_mesh(nodes, mesh.t), ElementTriP1(), intorder=2)
     else:
         curved = mesh if isinstance(mesh, MeshTri2) else MeshTri2.from_mesh(mesh)
         basis = Basis(curved, ElementTriP2(), intorder=6)  # exact for the mass on curved triangles
