@@ -227,3 +227,9 @@ def test_bad_shapes_are_refused(options, words):
 def test_a_radius_must_be_positive(bad):
     with pytest.raises(ValueError, match="radius"):
         semicircle(radius=bad, thickness=2.5e-3, size=1e-3)
+
+
+def test_lengths_in_different_units_are_refused_at_once():
+    with pytest.raises(ValueError, match="same unit") as failure:
+        semicircle(radius=40.4, thickness=2.5, size=2.5e-3)
+    message_names(failure.value, "size=0.0025", "triangles")

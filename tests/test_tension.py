@@ -195,7 +195,7 @@ def test_a_scene_without_a_pattern_is_refused(body):
         ("direction", "up", ("toward-peaks", "between-peaks")),
         ("patches", -1, ("at least 0",)),
         ("patches", 2.5, ("whole",)),
-        ("ramp", -0.1, ("between",)),
+        ("ramp", -0.1, ("negative",)),
         ("ramp", float("inf"), ("finite",)),
     ],
 )

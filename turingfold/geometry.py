@@ -14,6 +14,7 @@ from .arrays import Array, Integers
 from .body import BASES, Body, straight_mesh
 from .checks import one_of, positive
 
+MOST = 2e6  # triangles in the cortex
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
@@ -58,6 +59,12 @@ def semiellipse(
             f"thickness={thickness:g} m must be less than {limit:g} m: half the smaller semi-axis "
             f"({min(a, b) / 2:g} m) and the smallest radius of curvature ({sharpest:g} m); use a thinner "
             "cortex."
+        )
+    triangles = 8 * (a + b) * thickness / size**2
+    if triangles > MOST:
+        raise ValueError(
+            f"size={size:g} m would make about {triangles:.1g} triangles in the cortex, more than {MOST:.0e}; are "
+            f"size, thickness={thickness:g} and width={2 * a:g} in the same unit?"
         )
     if size > 2 * thickness:
         raise ValueError(

@@ -8,7 +8,7 @@ import numpy as np
 
 from .arrays import Array, add_up
 from .body import Body
-from .checks import between, finite, one_of, whole
+from .checks import finite, one_of, whole
 from .curve import Curve
 from .scene import Hessian, SimplePotential, State
 
@@ -50,7 +50,8 @@ class AxonalTension:
         if self.direction is not None:
             one_of("direction", self.direction, DIRECTIONS)
         whole("patches", self.patches, at_least=0)
-        between("ramp", self.ramp, 0.0, 1e12)
+        if finite("ramp", self.ramp) < 0:
+            raise ValueError(f"ramp={self.ramp:g} must not be negative; 0 applies the load at once.")
         if self.follower and self.surface == "pial":
             raise ValueError(
                 'follower=True needs surface="interface"; tractions that turn with the pial surface have no '

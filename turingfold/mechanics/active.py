@@ -89,25 +89,25 @@ class ActivePotential(SimplePotential):
         """Return energy and derivatives at x."""
         operator = self.operator
         at_nodes = (operator.body.nodes + x.reshape(-1, 2).T)[:, operator.triangles]
-        along = np.einsum("iae,amq,mqe->iqe", at_nodes, operator.slopes, operator.along, optimize=True)
-        return ActiveEvaluation(self, along)
+        fibre = np.einsum("iae,amq,mqe->iqe", at_nodes, operator.slopes, operator.along, optimize=True)
+        return ActiveEvaluation(self, fibre)
 
 
 class ActiveEvaluation:
-    """Energy of active stress at one configuration; `along` is F t, (2, q, layer's elements)."""
+    """Energy of active stress at one configuration; `fibre` is F t, (2, q, layer's elements)."""
 
     curved = True
 
-    def __init__(self, potential: ActivePotential, along: Array) -> None:
-        self.potential, self.along = potential, along
-        density = 0.5 * potential.weights * ((along**2).sum(0) - 1.0)
+    def __init__(self, potential: ActivePotential, fibre: Array) -> None:
+        self.potential, self.fibre = potential, fibre
+        density = 0.5 * potential.weights * ((fibre**2).sum(0) - 1.0)
         self.energy = float(density.sum())
         self.grain = 1e-15 * float(np.abs(potential.weights).sum())
 
     def gradient(self) -> tuple[Array, float]:
         """Return ∫ σ (F t)·(∂v t) dA and the sum of squares of the point forces."""
         operator = self.potential.operator
-        pull = self.potential.weights * self.along
+        pull = self.potential.weights * self.fibre
         forces = np.einsum("iqe,mqe,amq->iae", pull, operator.along, operator.slopes, optimize=True)
         dofs: Integers = 2 * operator.triangles[None] + np.arange(2)[:, None, None]
         return add_up(dofs, forces, 2 * operator.body.nodes.shape[1]), float(np.vdot(pull, pull))

@@ -104,10 +104,13 @@ class ContactOperator:
         return found
 
     def smallest_gap(self, positions: Array) -> float:
-        """Return the smallest distance between walls, up to 2 dhat: neighbours are farther apart at rest."""
+        """Return the smallest distance between walls closer than 2 dhat, or NaN without any.
+
+        At rest, neighbouring nodes are farther apart than that.
+        """
         found = self.collisions(positions, 2 * self.dhat)
         if found.empty():
-            return float(2 * self.dhat)
+            return float("nan")
         return float(np.sqrt(found.compute_minimum_distance(self.mesh, positions)))
 
     def during(self, state: State, dt: float) -> ContactPotential:
@@ -137,7 +140,7 @@ class ContactPotential(SimplePotential):
         return 0.9 * float(ipctk.compute_collision_free_stepsize(operator.mesh, start, end))
 
     def measure(self, x: Array) -> dict[str, float]:
-        """Return the smallest distance between parts of the boundary (m; at most 2 dhat is looked for)."""
+        """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""
         operator = self.operator
         return {"min_gap": operator.smallest_gap(operator.positions(x)) * operator.unit}
 

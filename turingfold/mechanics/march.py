@@ -165,10 +165,11 @@ def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float)
         return x
     ahead = (x - progress.previous.T.ravel()) * (dt / progress.previous_dt)
     guess = x + min(p.largest_step(x, ahead) for p in potentials) * ahead
-    before, after = (
-        sum(e.energy if e else np.inf for e in (p.evaluate(at) for p in potentials)) for at in (x, guess)
-    )
-    return guess if after <= before else x
+    return guess if _energy(potentials, guess) <= _energy(potentials, x) else x
+
+
+def _energy(potentials: tuple[Potential, ...], x: Array) -> float:
+    return sum(np.inf if e is None else e.energy for e in (p.evaluate(x) for p in potentials))
 
 
 def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:
