@@ -232,4 +232,4 @@ def test_a_radius_must_be_positive(bad):
 def test_lengths_in_different_units_are_refused_at_once():
     with pytest.raises(ValueError, match="same unit") as failure:
         semicircle(radius=40.4, thickness=2.5, size=2.5e-3)
-    message_names(failure.value, "size=0.0025", "triangles")
+    message_names(failure.value, "size=0.0025", "gray triangles")

@@ -63,7 +63,7 @@ def semiellipse(
     triangles = 8 * (a + b) * thickness / size**2
     if triangles > MOST:
         raise ValueError(
-            f"size={size:g} m would make about {triangles:.1g} triangles in the cortex, more than {MOST:.0e}; are "
+            f"size={size:g} m would make about {triangles:.1g} gray triangles, more than {MOST:.0e}; are "
             f"size, thickness={thickness:g} and width={2 * a:g} in the same unit?"
         )
     if size > 2 * thickness:
