@@ -2,7 +2,7 @@
 
     turingfold run cases/ferret_mesh.py      draws figures/ferret_mesh.png
 
-The normal brain of ferret_malformations.py, with noise that has wave lengths of fold spacing and more and is a
+The normal brain of ferret_malformations.py, with noise that has wave lengths of fold spacing and more and is
 function of the arc length, not of the mesh: it decides where folds form, so that neither they nor the
 gyrification index may depend on the mesh. (With the weaker and finer noise of the other cases a fold more or
 less can depend on the steps taken.)

@@ -172,6 +172,20 @@ def test_a_neck_thinner_than_two_cortices_is_refused():
         outline(peanut, thickness=0.12, size=0.05, tight="trim")
 
 
+def test_a_small_pocket_of_white_matter_is_cut_off_when_trimming():
+    large = np.linspace(np.arcsin(0.15), 2 * np.pi - np.arcsin(0.15), 200)
+    knob = np.linspace(-5 / 6 * np.pi, 5 / 6 * np.pi, 60)  # of radius 0.3 around (1.45, 0), neck 0.3 wide
+    start, end = np.cos(large[0]), 1.45 + 0.3 * np.cos(knob[0])
+    neck = np.linspace(start, end, 8)[1:-1]
+    x = np.concatenate([np.cos(large), neck, 1.45 + 0.3 * np.cos(knob), neck[::-1]])
+    y = np.concatenate([np.sin(large), np.full(6, -0.15), 0.3 * np.sin(knob), np.full(6, 0.15)])
+    body = outline(np.stack([x, y]), thickness=0.12, size=0.05, smooth=0.02, tight="trim")
+    assert body.nodes[0, body.interface].max() < 1.2
+    corners = body.mesh.p[:, body.mesh.t].mean(1)
+    assert body.in_cortex[corners[0] > 1.2].all()
+    assert angles(body.mesh.p, body.mesh.t).min() > 20
+
+
 def test_trimming_keeps_the_cortex_one_thickness_deep():
     ellipse = circle() * np.array([[1.0], [0.4]])
     body = outline(ellipse, thickness=0.2, size=0.04, tight="trim")

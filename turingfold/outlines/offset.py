@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -14,6 +16,7 @@ Booleans = NDArray[np.bool_]
 
 FINE = 24  # samples per thickness
 SLACK = 4e-3  # share of the thickness by which a sample may be too close before it counts as swallowed
+POCKET = 0.15  # share of the interface around a pocket of white matter that may be cut off
 REACH = 6.0  # an end of the interface is continued over this many samples to meet the base
 
 
@@ -102,24 +105,43 @@ def _rounded(
         gaps = np.flatnonzero(kept & ~np.roll(kept, 1))
         shift = -int(gaps[0]) if len(gaps) else 0
         deep, shallow, kept = np.roll(deep, shift, 1), np.roll(shallow, shift, 1), np.roll(kept, shift)
+    if kept.all():
+        return [shallow]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], kept.astype(int), [0]])))
     runs = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-    parts: list[Array] = []
-    for k, (begin, end) in enumerate(runs):
-        parts.append(shallow[:, begin:end])
-        if (len(runs) == 1 and kept.all()) or (k == len(runs) - 1 and not closed):
-            continue
-        onward = runs[(k + 1) % len(runs)][0]
-        gap = np.hypot(*(deep[:, end - 1] - deep[:, onward]))
-        if gap > 0.25 * reach:
+    path = _main_line(deep, runs, closed, 0.25 * reach)
+    parts: list[Array] = [shallow[:, slice(*path[0])]]
+    for (_, end), (begin, after) in pairwise(path):
+        corner = 0.5 * (deep[:, end - 1] + deep[:, begin])
+        parts += [_arc(corner, shallow[:, end - 1], shallow[:, begin], rounding), shallow[:, begin:after]]
+    return parts[:-1] if closed else parts
+
+
+def _main_line(
+    deep: Array, runs: list[tuple[int, int]], closed: bool, widest: float
+) -> list[tuple[int, int]]:
+    """Return the runs that follow each other with gaps of at most `widest`; a closed line ends as it begins.
+
+    What is left out are pockets of white matter that the cortex cuts off; only small ones are.
+    """
+    length = {(begin, end): float(np.hypot(*np.diff(deep[:, begin:end])).sum()) for begin, end in runs}
+    most = POCKET * sum(length.values())
+    if closed:
+        longest = max(range(len(runs)), key=lambda k: length[runs[k]])
+        runs = [*runs[longest:], *runs[: longest + 1]]
+    path, left = [runs[0]], runs[1:]
+    while left:
+        end = path[-1][1] - 1
+        gaps = [float(np.hypot(*(deep[:, end] - deep[:, begin]))) for begin, _ in left]
+        following = next((k for k, gap in enumerate(gaps) if gap <= widest), len(gaps))
+        if any(length[run] > most for run in left[:following]) or following == len(gaps):
             raise ValueError(
-                f"the cortex cuts the white matter in two near ({deep[0, end - 1]:.4g}, "
-                f"{deep[1, end - 1]:.4g}) m: the interface "
-                f"jumps by {gap:.3g} m there; use a thinner cortex."
+                f"the cortex cuts the white matter in two near ({deep[0, end]:.4g}, {deep[1, end]:.4g}) m: "
+                f"the interface jumps by {gaps[0]:.3g} m there; use a thinner cortex."
             )
-        corner = 0.5 * (deep[:, end - 1] + deep[:, onward])
-        parts.append(_arc(corner, shallow[:, end - 1], shallow[:, onward], rounding))
-    return parts
+        path.append(left[following])
+        left = left[following + 1 :]
+    return path
 
 
 def _arc(centre: Array, start: Array, end: Array, radius: float) -> Array:
