@@ -1,3 +1,4 @@
+from . import panels as panels
 from . import plots as plots
 from .body import Body as Body
 from .geometry import half as half
@@ -11,6 +12,8 @@ from .histories import Gompertz as Gompertz
 from .histories import Linear as Linear
 from .histories import Logistic as Logistic
 from .histories import Table as Table
+from .histories import growth_time as growth_time
+from .histories import postnatal_day as postnatal_day
 from .imperfection import Imperfection as Imperfection
 from .imperfection import roughened as roughened
 from .mechanics.active import ActiveStress as ActiveStress
@@ -40,6 +43,7 @@ from .morphometry.similarity import similarity as similarity
 from .morphometry.walls import mirror_error as mirror_error
 from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length
+from .outlines.build import Fine as Fine
 from .outlines.build import outline as outline
 from .outlines.read import read_outline as read_outline
 from .outlines.retrace import retraced as retraced
