@@ -164,3 +164,15 @@ def test_the_time_limit_stops_a_march():
 def test_options_that_make_no_sense(options):
     with pytest.raises(ValueError, match=r"frames=0|need a folder"):
         simulate(elastic_scene(), **options)
+
+
+def test_going_on_and_starting_over_exclude_each_other(tmp_path):
+    with pytest.raises(ValueError, match="choose one of the two"):
+        simulate(elastic_scene(), tmp_path / "out", resume=True, overwrite=True)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("scene", [None, elastic_scene, "cases/figure3.py"])
+def test_only_a_scene_can_be_run(scene):
+    with pytest.raises(ValueError, match=r"scene=.* must be a Scene object, such as Scene\(body="):
+        simulate(scene)

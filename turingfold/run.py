@@ -8,7 +8,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from .checks import whole
+from .checks import instance, whole
 from .mechanics.march import Progress, Step, begin, march
 from .results import FilePath, Result, Row, along_pial, growth, observe, pial_closed
 from .scene import NotConvergedError, Scene, SolveError, State
@@ -42,13 +42,19 @@ def simulate(
     out: folder that the result is stored in while it is made; see `output.folder`.
     progress: is called with each new row of the history.
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
-    overwrite: replace a result that `out` holds.  frames: states kept on disk, evenly spaced in time.
+    overwrite: replace a result that `out` holds; not with `resume`.
+    frames: states kept on disk, evenly spaced in time.
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
     Raises StoppedError where no step is possible any more, ValueError where `out` holds something else,
     OutputError (an OSError) where it cannot be written.
     """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
     whole("frames", frames, at_least=1)
+    if resume and overwrite:
+        raise ValueError(
+            "resume=True goes on with what `out` holds and overwrite=True replaces it; choose one of the two."
+        )
     if out is None:
         if resume or overwrite:
             raise ValueError("resume and overwrite need a folder: simulate(scene, out=folder, ...).")
