@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
 
-from turingfold import NotConvergedError, Stepping, StoppedError, half, load, semicircle, simulate
+from turingfold import (
+    Elastic,
+    NotConvergedError,
+    Result,
+    Stepping,
+    StoppedError,
+    half,
+    load,
+    semicircle,
+    simulate,
+)
 
 KEYS = {
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
@@ -96,6 +106,18 @@ def test_observe_at_rest_shows_no_stress(grown):
     assert np.abs(fields["von_mises"]).max() < 1e-12
     assert np.abs(fields["jacobian"] - 1).max() < 1e-13
     assert np.abs(grown.observe()["von_mises"]).max() > 0.01  # growth that is held back stresses the body
+
+
+def test_observing_discretises_each_term_once(grown, monkeypatch):
+    made, original = [], Elastic.on
+    monkeypatch.setattr(Elastic, "on", lambda term, body: made.append(body) or original(term, body))
+    again = Result(grown.scene, grown.states, grown.history, converged=True)
+    last, first, last_again = again.observe(), again.observe(0), again.observe()
+    assert len(made) == 1
+    for name, values in last.items():
+        np.testing.assert_array_equal(values, last_again[name])  # what came between leaves no trace
+        np.testing.assert_array_equal(values, grown.observe()[name])
+        assert np.abs(values - first[name]).max() > 0.01
 
 
 def test_summary_of_a_scene_without_pattern_and_contact(grown):

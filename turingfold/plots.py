@@ -27,7 +27,8 @@ from .drawing import (
     shaded,
     shown,
 )
-from .results import Result, along_pial, growth
+from .mechanics.factor import largest_growth
+from .results import Result, along_pial
 from .scene import Scene, State, Term
 
 if TYPE_CHECKING:
@@ -158,7 +159,7 @@ def pial_history(axes: Axes, result: Result, *, count: int = 8, bar: bool = True
     times = np.array([state.time for state in result.states])
     wanted = np.linspace(times[0], times[-1], count)
     chosen = sorted({int(np.abs(times - time).argmin()) for time in wanted})
-    factors = [growth(result.states[k]) for k in chosen]
+    factors = [largest_growth(result.states[k]) for k in chosen]
     colors = ScalarMappable(Normalize(min(factors), max(*factors, min(factors) + 1e-9)), "viridis_r")
     for k, factor in zip(chosen, factors, strict=True):
         axes.plot(*(MM * result.pial(k)), color=colors.to_rgba(np.array(factor)), linewidth=0.9)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ import numpy as np
 
 from .arrays import Array
 from .body import Body
-from .scene import Scene, State
+from .mechanics.factor import largest_growth
+from .scene import Operator, Scene, State
 
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
@@ -60,7 +62,12 @@ class Result:
         scene, state = self.scene, self.states[step]
         times = [row["time"] for row in self.history]
         row = times.index(state.time) if state.time in times else 0
-        return observe(scene, state, self.history[row]["step"] if self.history else scene.until)
+        return observe(self._operators, state, self.history[row]["step"] if self.history else scene.until)
+
+    @cached_property
+    def _operators(self) -> list[Operator]:
+        """The terms on the body: costly to make, the same at every step."""
+        return operators(self.scene)
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
@@ -79,7 +86,7 @@ class Result:
             "factorizations": int(sum(row["factorizations"] for row in rows)),
             "seconds": self.seconds,
             "seconds_by_part": dict(self.seconds_by_part),
-            "growth": growth(self.last),
+            "growth": largest_growth(self.last),
             "energy": _number(last.get("energy", NAN)),
             "residual": _number(last.get("residual", NAN)),
             "min_jacobian": _smallest(rows, "min_jacobian"),
@@ -131,20 +138,20 @@ def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     return Result(scene, tuple(states), tuple(history), converged, seconds, parts)
 
 
-def observe(scene: Scene, state: State, dt: float) -> dict[str, Array]:
-    """Return the fields that the terms show of a state, each (q, e); dt is the step that led to it."""
+def operators(scene: Scene) -> list[Operator]:
+    """Return the terms of a scene, discretised on its body."""
+    return [term.on(scene.body) for term in scene.terms]
+
+
+def observe(operators: Iterable[Operator], state: State, dt: float) -> dict[str, Array]:
+    """Return the fields that terms on a body show of a state, each (q, e); dt is the step that led to it."""
     x = state["displacement"].T.ravel()
     fields: dict[str, Array] = {}
-    for term in scene.terms:
-        potential = term.on(scene.body).during(state, dt)
+    for operator in operators:
+        potential = operator.during(state, dt)
         if potential is not None:
             fields |= potential.observe(x)
     return fields
-
-
-def growth(state: State) -> float:
-    """Return the largest tangential growth factor, 1 without growth."""
-    return float(state["growth"][0].max()) if "growth" in state else 1.0
 
 
 def along_pial(body: Body, values: Array) -> Array:

@@ -9,8 +9,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from .checks import instance, whole
+from .mechanics.factor import largest_growth
 from .mechanics.march import Progress, Step, begin, march
-from .results import FilePath, Result, Row, along_pial, growth, observe, pial_closed
+from .results import FilePath, Result, Row, along_pial, observe, operators, pial_closed
 from .scene import NotConvergedError, Scene, SolveError, State
 
 if TYPE_CHECKING:
@@ -103,7 +104,8 @@ class _Run:
             self.states.append(position.state)
             self.parts["starting"] = self._seconds()
             if self.folder is not None:
-                self.folder.add_state(0, position.state, observe(self.scene, position.state, position.dt))
+                shown = observe(operators(self.scene), position.state, position.dt)
+                self.folder.add_state(0, position.state, shown)
                 self._save(position)
             return position
         from .output.folder import read_states
@@ -121,7 +123,7 @@ class _Run:
         before, state, body = self.states[-1].time, step.state, self.scene.body
         pial = along_pial(body, (body.nodes + state["displacement"])[:, body.pial])
         index = gyrification_index(pial, closed=pial_closed(body))
-        row = {**step.numbers, "growth": growth(state), "gyrification_index": index}
+        row = {**step.numbers, "growth": largest_growth(state), "gyrification_index": index}
         began = perf_counter()
         if self.folder is not None:
             if _due(before, state.time, self.scene.until, self.frames):

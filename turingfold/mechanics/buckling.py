@@ -19,6 +19,7 @@ from ..body import Body
 from ..checks import finite, positive
 from ..scene import NotConvergedError, Scene, SolveError, State
 from .buckling_path import BasePath, BaseState
+from .factor import largest_growth
 from .march import Progress
 from .pivots import negative_pivots as negative_pivots
 
@@ -85,11 +86,6 @@ def buckling(scene: Scene) -> Buckling:
         growth=largest_growth(base.state), time=base.state.time, mode=half_waves(scene.body, shape),
         shape=shape, state=base.state, stiffness=stiffness, limit=limit,
     )
-
-
-def largest_growth(state: State) -> float:
-    """Return the largest tangential growth factor, or 1 where nothing grows."""
-    return float(state["growth"][0].max()) if "growth" in state else 1.0
 
 
 def half_waves(body: Body, shape: Array) -> int:
