@@ -225,6 +225,9 @@ def test_comparison_of_pial_surfaces_and_of_coarse_outlines():
     pial = compare(ellipse(1, 1, arc=np.pi), flower(20, 0.1, arc=np.pi))
     assert (pial["folds"].a, pial["folds"].b) == (0, 10)
     assert np.isnan(pial["mean sulcal depth"].ratio)
+    assert "nan" not in pial.text()
+    (waves,) = (line.split() for line in pial.text().splitlines() if line.startswith("main wave length"))
+    assert (waves[-3], waves[-1]) == ("-", "-")  # a smooth arc has no waves, and nothing is a multiple of it
     coarse = compare(ellipse(1, 1, 20), ellipse(1, 1, 200))
     names = [measure.name for measure in coarse.measures]
     assert "Fourier error at order 5" in names

@@ -208,6 +208,16 @@ def test_a_ratio_without_instability_prints_the_four_conditions():
     assert str(conditions(Schnakenberg(), 1.0, 10.0)).count("pass") == 4
 
 
+def test_a_ratio_that_does_not_help_is_not_asked_for():
+    # a > b: f_u = (b − a)/(a + b) < 0 and g_v = −(a + b)² < 0, so there is no activator and no ratio
+    with pytest.raises(ValueError, match=r"^no pattern forms.* take other parameters") as caught:
+        at_ratio(Schnakenberg(a=2.0, b=0.1), 5.0)
+    assert "nan" not in str(caught.value)
+    # f_u = 0.25/0.35 > (a + b)² = 0.1225: the trace is positive at any ratio
+    with pytest.raises(ValueError, match=r"^ratio=5: no pattern forms.* take other parameters"):
+        at_ratio(Schnakenberg(a=0.05, b=0.3), 5.0)
+
+
 def test_no_steady_state_is_an_error():
     never = UserKinetics(p=lambda u, v: 1 + u * u, q=lambda u, v: v - 1, guesses=((1.0, 1.0), (-2.0, 0.0)))
     with pytest.raises(ValueError, match="no uniform steady state"):

@@ -57,8 +57,8 @@ class Comparison:
         head = ("", *self.names, f"{self.names[1]} / {self.names[0]}")
         rows = [head]
         for m in self.measures:
-            ratio = "-" if np.isnan(m.ratio) else f"{m.ratio:.3f}"
-            rows.append((f"{m.name}, {m.unit}" if m.unit else m.name, f"{m.a:.4g}", f"{m.b:.4g}", ratio))
+            numbers = _shown(m.a, ".4g"), _shown(m.b, ".4g"), _shown(m.ratio, ".3f")
+            rows.append((f"{m.name}, {m.unit}" if m.unit else m.name, *numbers))
         widths = [max(len(row[k]) for row in rows) for k in range(4)]
         template = f"{{:<{widths[0]}}}  " + "  ".join(f"{{:>{width}}}" for width in widths[1:])
         lines = [template.format(*row) for row in rows]
@@ -111,6 +111,11 @@ def draw_comparison(
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False)
+
+
+def _shown(value: float, digits: str) -> str:
+    """Return a number as text, "-" where it does not exist."""
+    return "-" if np.isnan(value) else format(value, digits)
 
 
 def _folds(curve: Polyline) -> Folds:

@@ -102,13 +102,24 @@ class Conditions:
             *(f"  {check}" for check in self.checks),
             f"  steady state u={self.steady_state[0]:.9g}, v={self.steady_state[1]:.9g}"
             f" (of {len(self.steady_states)}); activator {self.activator or 'none'}",
-            f"  ratio d_inhibitor/d_activator = {self.ratio:.6g}, critical {self.critical_ratio:.9g}"
-            f" at k² = {self.critical_k2:.6g}",
-            f"  growing modes: k² from {self.band[0]:.6g} to {self.band[1]:.6g};"
-            f" fastest k² = {self.fastest_k2:.6g}, rate {self.fastest_rate:.6g}",
+            f"  {self._ratios()}",
+            f"  growing modes: {self._growing()}; fastest k² = {self.fastest_k2:.6g}, rate "
+            f"{self.fastest_rate:.6g}",
             f"  Hopf: -tr J = {self.hopf_margin:.6g}, frequency {self.hopf_frequency:.6g}",
         ]
         return "\n".join(lines)
+
+    def _ratios(self) -> str:
+        if math.isnan(self.ratio):
+            return "no ratio d_inhibitor/d_activator"
+        given = f"ratio d_inhibitor/d_activator = {self.ratio:.6g}"
+        if math.isnan(self.critical_ratio):
+            return f"{given}, no critical one"
+        return f"{given}, critical {self.critical_ratio:.9g} at k² = {self.critical_k2:.6g}"
+
+    def _growing(self) -> str:
+        low, high = self.band
+        return "none" if math.isnan(high) else f"k² from {low:.6g} to {high:.6g}"
 
 
 def conditions(kinetics: Kinetics, d_u: float, d_v: float) -> Conditions:
@@ -140,10 +151,12 @@ def at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
     """Examine as `oriented` does; raise ValueError, with the table of conditions, if not Turing-unstable."""
     found = oriented(kinetics, ratio)
     if not found.unstable:
+        given = "" if math.isnan(found.ratio) else f"ratio={found.ratio:g}: "
+        helps = found.checks[0].holds and found.ratio <= found.critical_ratio  # False where they are NaN
+        remedy = f"a ratio above the critical one, {found.critical_ratio:.6g}, or " if helps else ""
         raise ValueError(
-            f"ratio={found.ratio:g}: no pattern forms, because not all four conditions of a Turing "
-            "instability "
-            f"hold; take a ratio above the critical one, or other parameters.\n{found}"
+            f"{given}no pattern forms, because not all four conditions of a Turing instability hold; take "
+            f"{remedy}other parameters.\n{found}"
         )
     return found
 
