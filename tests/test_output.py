@@ -18,7 +18,7 @@ import turingfold
 from turingfold import CorruptFileError, OutputError, load, simulate
 from turingfold.output.codec import decode, encode
 from turingfold.output.document import difference, stored
-from turingfold.output.files import digest, read_arrays, write_arrays, write_whole
+from turingfold.output.files import digest, read_arrays, write_arrays, write_whole, writing
 from turingfold.output.history import read_history
 from turingfold.output.vtu import entries, frame, in_cells, index
 
@@ -146,6 +146,33 @@ def test_a_write_that_fails_leaves_the_old_file(tmp_path, monkeypatch):
     assert caught.value.errno == errno.ENOSPC
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("number", "remedy"),
+    [
+        (errno.ENOSPC, "Everything written before is complete; free some space.*resume"),
+        (errno.EFBIG, "raise the limit on the size of files.*resume"),
+        (errno.EROFS, "Make this place writable or choose another"),
+        (errno.EACCES, "Make this place writable or choose another"),
+        (errno.EIO, "see to the disk.*resume"),
+    ],
+)
+def test_what_to_do_depends_on_what_failed(tmp_path, number, remedy):
+    said = rf"could not write .*{os.strerror(number)}\. .*{remedy}"
+    with pytest.raises(OutputError, match=said) as caught, writing(tmp_path / "a.npz"):
+        raise OSError(number, os.strerror(number))
+    assert caught.value.errno == number
+    assert ("free some space" in str(caught.value)) == (number == errno.ENOSPC)
+
+
+def test_a_folder_that_is_a_file_or_gone_is_said_to_be(tmp_path):
+    (tmp_path / "notes").write_text("")
+    for path in ("notes/a.npz", "notes/deeper/a.npz"):
+        with pytest.raises(OutputError, match="A part of this path is a file; choose another folder"):
+            write_whole(tmp_path / path, b"")
+    with pytest.raises(OutputError, match="Its folder is not there"), writing(tmp_path / "a"):
+        (tmp_path / "nowhere" / "a").open("a")
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
@@ -352,6 +379,33 @@ def test_a_damaged_checkpoint_falls_back_to_the_older_one(tmp_path, uninterrupte
     assert older.name == "checkpoint-000010.npz"
     assert result.converged
     assert_same_result(out, uninterrupted)
+
+
+@pytest.mark.parametrize("damage", ["history", "checkpoints"])
+def test_starting_over_leaves_nothing_of_the_earlier_run(tmp_path, damage):
+    out = tmp_path / "out"
+    first = simulate(elastic_scene(), out, frames=50)
+    assert len(list(out.glob("states/*.npz"))) == len(first.states) > 3  # a frame per step
+    if damage == "history":
+        (out / "history.csv").write_text("time\n")
+    else:
+        for file in out.glob("checkpoint-*.npz"):
+            file.write_bytes(b"")
+    with pytest.warns(UserWarning, match=r"starting over|is damaged"):
+        simulate(elastic_scene(), out, resume=True, frames=1)
+    assert len(load(out).states) == 2  # the start and the one frame
+    assert len(list(out.glob("frames/*.vtu"))) == len(entries((out / "frames.pvd").read_bytes())) == 2
+    assert load(out).converged
+
+
+def test_going_on_removes_what_came_after_the_checkpoint(tmp_path):
+    out = tmp_path / "out"
+    simulate(elastic_scene(), out, frames=1)
+    for stale in (out / "states" / "000999.npz", out / "frames" / "000999.vtu"):
+        stale.write_bytes(b"of a step that was lost")
+    simulate(elastic_scene(), out, resume=True, frames=1)
+    assert not list(out.rglob("000999.*"))
+    assert len(load(out).states) == 2
 
 
 def test_a_full_disk_keeps_what_was_written(tmp_path, uninterrupted):

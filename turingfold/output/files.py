@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import io
 import json
@@ -17,6 +18,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 CHECKSUM = "sha256"
+GO_ON = "Everything written before is complete; {}, then go on with resume=True (--resume)"
+ROOM = GO_ON.format("free some space")
+OPEN = "make this place writable or choose another"
+REMEDIES = {
+    errno.ENOSPC: ROOM,
+    errno.EDQUOT: ROOM,
+    errno.EFBIG: GO_ON.format("raise the limit on the size of files (ulimit -f)"),
+    errno.EACCES: OPEN,
+    errno.EPERM: OPEN,
+    errno.EROFS: OPEN,
+    errno.ENOENT: "its folder is not there; was it moved or removed? Choose one that exists",
+    errno.ENOTDIR: "a part of this path is a file; choose another folder",
+    errno.EEXIST: "a part of this path is a file; choose another folder",
+    errno.EISDIR: "this is a folder; choose another name",
+    errno.ENAMETOOLONG: "choose a shorter name",
+}
+OTHERWISE = GO_ON.format("see to the disk")
 
 
 class OutputError(OSError):
@@ -35,11 +53,9 @@ def writing(path: Path) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(
-            error.errno,
-            f"could not write {path}: {error.strerror or error}. Everything written before is complete; free "
-            "some space or choose another folder, then go on with resume=True (--resume)",
-        ) from error
+        remedy = REMEDIES.get(error.errno or 0, OTHERWISE)
+        message = f"could not write {path}: {error.strerror or error}. {remedy[0].upper()}{remedy[1:]}."
+        raise OutputError(error.errno, message) from error
 
 
 def write_whole(path: Path, content: bytes) -> None:

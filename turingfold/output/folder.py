@@ -36,6 +36,7 @@ from .files import (
 from .history import COLUMNS, Row, lines, read_history
 
 KEPT_CHECKPOINTS = 2
+MADE = ("history.csv", "summary.json", "frames.pvd", "checkpoint-*.npz", "states/*.npz", "frames/*.vtu")
 
 
 @dataclass(frozen=True)
@@ -93,33 +94,32 @@ class ResultFolder:
                     f"{path} already holds {holds}; choose another folder{remedy} or replace what is there "
                     "(overwrite=True, --overwrite)."
                 )
-            self._clear()
+            self._clear("scene.json", *MADE)
         elif path.exists() and any(p.name != "body.npz" and p.suffix != ".part" for p in path.iterdir()):
             raise ValueError(f"{path} holds files that are no result; choose an empty or a new folder.")
         write_arrays(path / "body.npz", arrays)
         write_json(described, document)
 
-    def _clear(self) -> None:
-        """Remove what a run writes, and nothing else."""
-        ours = ("scene.json", "history.csv", "summary.json", "frames.pvd", "checkpoint-*.npz")
-        for pattern in (*ours, "states/*.npz", "frames/*.vtu"):
-            for old in self.path.glob(pattern):
+    def _clear(self, *patterns: str, after: int = -1) -> None:
+        """Remove files, numbered ones only of steps after one."""
+        for old in [file for pattern in patterns for file in self.path.glob(pattern)]:
+            if not old.stem.isdecimal() or int(old.stem) > after:
                 with writing(old):
                     old.unlink()
 
     # reading back
 
     def checkpoint(self) -> Checkpoint | None:
-        """Return the newest checkpoint that is undamaged, and forget everything written after it.
+        """Return the newest checkpoint that is undamaged, and remove everything written after it.
 
-        Warns about damaged ones.
+        Without one nothing of the earlier run is left. Warns about damaged ones.
         """
         for file in sorted(self.path.glob("checkpoint-*.npz"), reverse=True):
             try:
                 found = _checkpoint(read_arrays(file))
             except CorruptFileError as error:
                 warnings.warn(f"{error} Going on from an older state.", stacklevel=2)
-                file.unlink()
+                self._clear(file.name)
                 continue
             self._rows = read_history(self.path)[: found.step]
             if len(self._rows) < found.step:
@@ -127,8 +127,10 @@ class ResultFolder:
                 break
             self._rewrite_history()
             self._index = [(t, f) for t, f in read_index(self.path) if int(Path(f).stem) <= found.step]
+            self._clear("states/*.npz", "frames/*.vtu", after=found.step)
             return found
         self._rows, self._index = [], []
+        self._clear(*MADE)
         return None
 
     def history(self) -> list[Row]:
