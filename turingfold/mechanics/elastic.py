@@ -24,6 +24,17 @@ from . import material
 from .convexity import negative_part
 from .entries import lower, pairs, slope_products
 from .material import NeoHookean
+from .points import (
+    Metric,
+    cofactor,
+    deformation,
+    determinant,
+    determinant_along,
+    metric,
+    times_symmetric,
+    von_mises,
+)
+from .points import first_loss as _first_loss
 
 LAYERS = ("sigmoid", "sharp")
 ELEMENTS = ("auto", "quadratic", "mixed")
@@ -132,46 +143,12 @@ class ElasticOperator:
         """Return the elastic energy with the growth and stiffness in `state`."""
         growth = state.fields.get("growth")
         if self._grown is None or self._grown[0] is not growth:
-            self._grown = growth, metric(self.body, growth)
+            self._grown = growth, metric(self.body.quadrature, self.body.tangent, growth)
         stiffness = state.fields.get("stiffness")
         mu, kappa = (
             (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
         )
         return ElasticPotential(self, self._grown[1], mu, kappa)
-
-
-@dataclass(frozen=True)
-class Metric:
-    """What growth does to the pull-back: D (2, 2, q, e), B (3: xx, xy, yy), δ, F*_zz² and J_G dA, each (q,
-    e).
-    """
-
-    D: Array
-    B: Array
-    delta: Array
-    out2: Array
-    weights: Array
-
-
-def metric(body: Body, growth: Array | None) -> Metric:
-    """Return the pull-back for growth factors (3, q, e) along tangent, normal and z, or for none."""
-    quadrature = body.quadrature
-    if growth is None:
-        D, out, weights = quadrature.inverse, np.ones_like(quadrature.weights), quadrature.weights
-    else:
-        tx, ty = body.tangent
-        along, across, gz = growth
-        xx, yy = tx * tx / along + ty * ty / across, ty * ty / along + tx * tx / across
-        xy = tx * ty * (1 / along - 1 / across)
-        inverse = quadrature.inverse
-        D = np.stack(
-            [inverse[:, 0] * xx + inverse[:, 1] * xy, inverse[:, 0] * xy + inverse[:, 1] * yy], axis=1
-        )
-        out, weights = 1 / gz, quadrature.weights * along * across * gz
-    B = np.stack(
-        [D[0, 0] ** 2 + D[0, 1] ** 2, D[0, 0] * D[1, 0] + D[0, 1] * D[1, 1], D[1, 0] ** 2 + D[1, 1] ** 2]
-    )
-    return Metric(D, B, out * (D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]), out**2, weights)
 
 
 @dataclass(frozen=True)
@@ -195,17 +172,14 @@ class ElasticPotential(SimplePotential):
     def evaluate(self, x: Array) -> ElasticEvaluation | None:
         """Return energy and derivatives at x, or None where J* <= 0 somewhere."""
         H = self.stretch(x)
-        J = self.metric.delta * (H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0])
+        J = self.metric.delta * determinant(H)
         if not J.min() > 0:  # also catches NaN
             return None
         return ElasticEvaluation(self, H, J)
 
     def largest_step(self, x: Array, direction: Array) -> float:
         """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
-        H, dH = self.stretch(x), self.operator.gradient(direction)
-        now = H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0]
-        linear = H[0, 0] * dH[1, 1] + dH[0, 0] * H[1, 1] - H[0, 1] * dH[1, 0] - dH[0, 1] * H[1, 0]
-        square = dH[0, 0] * dH[1, 1] - dH[0, 1] * dH[1, 0]
+        now, linear, square = determinant_along(self.stretch(x), self.operator.gradient(direction))
         return _first_loss(0.9 * now, linear, square)
 
     def observe(self, x: Array) -> dict[str, Array]:
@@ -213,14 +187,8 @@ class ElasticPotential(SimplePotential):
         at = self.evaluate(x)
         if at is None:
             return {}
-        m = self.metric
-        F = np.einsum("imqe,mkqe->ikqe", at.H, m.D)
-        trace = at.I1 / 3
-        shear = self.mu * np.cbrt(at.J) ** -5
-        bxx, byy = F[0, 0] ** 2 + F[0, 1] ** 2 - trace, F[1, 0] ** 2 + F[1, 1] ** 2 - trace
-        bxy, bzz = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1], m.out2 - trace
-        von_mises = shear * np.sqrt(1.5 * (bxx**2 + byy**2 + bzz**2 + 2 * bxy**2))
-        return {"von_mises": von_mises, "pressure": -self.kappa * (at.J - 1.0), "jacobian": at.J}
+        stress = von_mises(self.mu, deformation(at.H, self.metric.D), self.metric.out2, at.I1, at.J)
+        return {"von_mises": stress, "pressure": -self.kappa * (at.J - 1.0), "jacobian": at.J}
 
     def measure(self, x: Array) -> dict[str, float]:
         """Return the smallest J*."""
@@ -235,8 +203,7 @@ class ElasticEvaluation:
         self.potential, self.H, self.J = potential, H, J
         self.curved = True
         m = potential.metric
-        Bxx, Bxy, Byy = m.B
-        self.HB = np.stack([H[:, 0] * Bxx + H[:, 1] * Bxy, H[:, 0] * Bxy + H[:, 1] * Byy], axis=1)
+        self.HB = times_symmetric(H, m.B)
         self.I1 = (H * self.HB).sum((0, 1)) + m.out2
         self.law = potential.mu, potential.kappa, self.I1, J, material.shrink(J)
         density = material.energy(*self.law)
@@ -249,8 +216,7 @@ class ElasticEvaluation:
 
     @cached_property
     def _cofactor(self) -> Array:
-        H, delta = self.H, self.potential.metric.delta
-        return np.stack([np.stack([H[1, 1], -H[1, 0]]), np.stack([-H[0, 1], H[0, 0]])]) * delta
+        return cofactor(self.H, self.potential.metric.delta)
 
     def gradient(self) -> tuple[Array, float]:
         """Return the nodal forces (2 n_nodes,) and the sum of squares of the shear part of the point forces.
@@ -290,7 +256,7 @@ class ElasticEvaluation:
 
     def _add_negative_part(self, share: float, same: Array, mixed: Array, c1: Array, c2: Array) -> None:
         m, (a, b) = self.potential.metric, self._slopes
-        F = self.H[:, :1] * m.D[0] + self.H[:, 1:] * m.D[1]
+        F = deformation(self.H, m.D)
         where, weights, vectors = negative_part(F, np.sqrt(m.out2), a, b, c1, c2)
         weights *= share * m.weights.ravel()[where]
         for weight, vector in zip(weights, vectors, strict=True):
@@ -302,15 +268,3 @@ class ElasticEvaluation:
             same[:, ::2] += V * V
             same[:, 1] += V[:, 0] * V[:, 1]
             mixed += V[0][:, None] * V[1]
-
-
-def _first_loss(constant: Array, linear: Array, square: Array) -> float:
-    """Return the smallest s in (0, 1] with c + l s + q s² = 0 for any entry, or 1; c > 0 everywhere."""
-    bad = np.flatnonzero((constant + linear + square <= 0) | ((linear < 0) & (square > 0)))
-    if not len(bad):
-        return 1.0
-    c, l, q = constant.ravel()[bad], linear.ravel()[bad], square.ravel()[bad]
-    inside = l * l - 4 * q * c
-    bottom = np.sqrt(np.maximum(inside, 0.0)) - l
-    root = np.where((inside >= 0) & (bottom > 0), 2 * c / np.where(bottom > 0, bottom, 1.0), np.inf)
-    return float(min(1.0, root.min()))

@@ -18,16 +18,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 
 from ..arrays import Array
 from ..body import Body
 from ..scene import InadmissibleStateError, State
-from .elastic import Metric, _first_loss, metric
 from .mixed_evaluation import MixedEvaluation
-from .mixed_points import deformation, kinematics, points_on, von_mises
+from .mixed_points import kinematics, points_on
+from .points import Metric, deformation, determinant, determinant_along, first_loss, metric, von_mises
 
 
 class MixedOperator:
@@ -64,7 +63,7 @@ class MixedOperator:
         growth, stiffness = state.fields.get("growth"), state.fields.get("stiffness")
         if self._grown is None or self._grown[0] is not growth:
             spread = None if growth is None else self.points.spread_out(growth)
-            self._grown = growth, metric(cast(Body, self.points), spread)
+            self._grown = growth, metric(self.points.quadrature, self.points.tangent, spread)
         share = np.ones_like(self.mu) if stiffness is None else self.points.spread_out(stiffness)
         count = self.body.triangles.shape[1]
         bubble = state.fields.get("bubble", np.zeros((2, count)))
@@ -124,10 +123,8 @@ class MixedPotential:
     def longest(self, H: Array, direction: Array, bubble: Array) -> float:
         """Return that step for nodes moving along direction and bubbles moving along bubble."""
         dH = self.change(direction, bubble, self.operator.points.slopes)
-        now = H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0]
-        linear = H[0, 0] * dH[1, 1] + dH[0, 0] * H[1, 1] - H[0, 1] * dH[1, 0] - dH[0, 1] * H[1, 0]
-        square = dH[0, 0] * dH[1, 1] - dH[0, 1] * dH[1, 0]
-        return _first_loss(0.9 * now, linear, square)
+        now, linear, square = determinant_along(H, dH)
+        return first_loss(0.9 * now, linear, square)
 
     def finish(self, x: Array) -> dict[str, Array]:
         """Return the bubbles (2, e), m, and pressures at the elements' corners (3, e), Pa, to start from."""
@@ -146,9 +143,10 @@ class MixedPotential:
         back = points.spread_back
         F = deformation(H, back @ self.metric.D)
         out2 = back @ self.metric.out2
-        J = (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]) * np.sqrt(out2)
+        I1, J = (F**2).sum(1).sum(0) + out2, determinant(F) * np.sqrt(out2)
         pressure = -np.einsum("kq,ke->qe", points.linear_shown, at.own_pressure)
-        return {"von_mises": von_mises(back @ self.mu, F, out2, J), "pressure": pressure, "jacobian": J}
+        stress = von_mises(back @ self.mu, F, out2, I1, J)
+        return {"von_mises": stress, "pressure": pressure, "jacobian": J}
 
     def measure(self, x: Array) -> dict[str, float]:
         """Return the smallest J*."""

@@ -14,7 +14,7 @@ from skfem import Basis, ElementTriP2
 from ..arrays import Array
 from ..body import Body, Quadrature
 from .convexity import negative_part
-from .elastic import Metric
+from .points import Metric, cofactor, deformation, determinant, times_symmetric
 
 ORDER = 6
 
@@ -120,13 +120,12 @@ class Kinematics:
 
 def kinematics(H: Array, metric: Metric) -> Kinematics | None:
     """Return what follows from H, or None where J* <= 0 somewhere."""
-    J = metric.delta * (H[0, 0] * H[1, 1] - H[0, 1] * H[1, 0])
+    J = metric.delta * determinant(H)
     if not J.min() > 0:  # also catches NaN
         return None
-    xx, xy, yy = metric.B
-    HB = np.stack([H[:, 0] * xx + H[:, 1] * xy, H[:, 0] * xy + H[:, 1] * yy], axis=1)
-    C = np.stack([np.stack([H[1, 1], -H[1, 0]]), np.stack([-H[0, 1], H[0, 0]])]) * metric.delta
-    return Kinematics(H, HB, C, (H * HB).sum((0, 1)) + metric.out2, J, np.cbrt(J) ** -2)
+    HB = times_symmetric(H, metric.B)
+    I1 = (H * HB).sum((0, 1)) + metric.out2
+    return Kinematics(H, HB, cofactor(H, metric.delta), I1, J, np.cbrt(J) ** -2)
 
 
 @dataclass(frozen=True)
@@ -189,17 +188,3 @@ def _add_negative_part(
         for k, (p, r) in enumerate(((0, 0), (0, 1), (1, 1))):
             same[i, k].ravel()[where] += N[i, p, i, r]
     mixed.reshape(2, 2, -1)[:, :, where] += N[0, :, 1, :]
-
-
-def deformation(H: Array, D: Array) -> Array:
-    """Return the in-plane part of F* = H D, (2, 2, q, e)."""
-    return np.stack([np.stack([(H[i] * D[:, k]).sum(0) for k in (0, 1)]) for i in (0, 1)])
-
-
-def von_mises(mu: Array, F: Array, out2: Array, J: Array) -> Array:
-    """Return the von Mises stress of F*, (2, 2, q, e) in the plane and F*_zz² = out2 across it; Pa."""
-    xx, yy = F[0, 0] ** 2 + F[0, 1] ** 2, F[1, 0] ** 2 + F[1, 1] ** 2
-    mean = (xx + yy + out2) / 3
-    xy = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1]
-    deviator2 = (xx - mean) ** 2 + (yy - mean) ** 2 + (out2 - mean) ** 2 + 2 * xy**2
-    return np.asarray(mu * np.cbrt(J) ** -5 * np.sqrt(1.5 * deviator2))
