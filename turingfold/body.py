@@ -40,6 +40,19 @@ class Quadrature:
     inverse: Array
     weights: Array
 
+    @classmethod
+    def of(cls, basis: Basis) -> Quadrature:
+        """Return the integration points of a basis of quadratic triangles."""
+        mapping, points = basis.mapping, basis.X
+        values = [basis.elem.lbasis(points, i) for i in range(6)]
+        return cls(
+            points=np.ascontiguousarray(np.swapaxes(mapping.F(points), 1, 2)),
+            shapes=np.stack([shape for shape, _ in values]),
+            derivatives=np.stack([slope for _, slope in values]),
+            inverse=np.ascontiguousarray(np.swapaxes(mapping.invDF(points), 2, 3)),
+            weights=np.ascontiguousarray(basis.dx.T),
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -118,11 +131,13 @@ class Body:
         """Arc length along the undeformed pial surface, shape (n_pial,); m."""
         return self.pial_curve.arc
 
+    def pial_share(self, arc: Array) -> Array:
+        """Return arc lengths as shares of the whole pial surface; half a body has the first half of it."""
+        return arc / (self.pial_curve.length * (2.0 if self.mirror else 1.0))
+
     @cached_property
     def interface(self) -> Integers:
-        """Nodes along the gray-white interface, in the direction of the pial surface; shape
-        (n_interface,).
-        """
+        """Nodes along the gray-white interface, in the direction of the pial surface; (n_interface,)."""
         f2t, gray = self.mesh.f2t, self.in_cortex
         inner = f2t[1] >= 0
         across = np.flatnonzero(inner & (gray[f2t[0]] != gray[np.where(inner, f2t[1], 0)]))
@@ -184,6 +199,19 @@ class Body:
         """The cortical band as a mesh of its own, with the boundaries "pial" and "interface"."""
         return _submesh(self, np.flatnonzero(self.in_cortex))
 
+    def spread(self, band: Band, values: Array, outside: float = float("nan")) -> Array:
+        """Return nodal values of a band, (n_band_nodes,), at all nodes, (n_nodes,)."""
+        everywhere = np.full(self.nodes.shape[1], outside)
+        everywhere[band.nodes] = values
+        return everywhere
+
+    def part(self, elements: Integers) -> tuple[MeshTri2, Integers]:
+        """Return some elements as a mesh with straight sides, and the node of the body per node of it."""
+        vertices, local = np.unique(self.mesh.t[:, elements], return_inverse=True)
+        mesh = MeshTri2.from_mesh(straight_mesh(self.mesh.p[:, vertices], local.reshape(3, -1)))
+        facets = np.array([self._facet_of[a, b] for a, b in vertices[mesh.facets].T.tolist()])
+        return mesh, np.concatenate([vertices, self.mesh.nvertices + facets])
+
     # integration
 
     @cached_property
@@ -193,24 +221,11 @@ class Body:
     @cached_property
     def quadrature(self) -> Quadrature:
         """Integration points of order 4, with everything that is computed on them once."""
-        basis = self._basis
-        mapping, element = basis.mapping, basis.elem
-        values = [element.lbasis(basis.X, i) for i in range(6)]
-        inverse = np.ascontiguousarray(np.swapaxes(mapping.invDF(basis.X), 2, 3))
-        return Quadrature(
-            points=np.ascontiguousarray(np.swapaxes(mapping.F(basis.X), 1, 2)),
-            shapes=np.stack([shape for shape, _ in values]),
-            derivatives=np.stack([slope for _, slope in values]),
-            inverse=inverse,
-            weights=np.ascontiguousarray(basis.dx.T),
-        )
+        return Quadrature.of(self._basis)
 
     def at_quadrature(self, band: Band, values: Array) -> Array:
-        """Return nodal values of a band, (n_band_nodes,), at the integration points, (q, e); zero outside
-        it.
-        """
-        everywhere = np.zeros(self.nodes.shape[1])
-        everywhere[band.nodes] = values
+        """Return nodal values of a band, (n_band_nodes,), at the integration points, (q, e); zero outside."""
+        everywhere = self.spread(band, values, outside=0.0)
         return np.asarray(np.einsum("aq,ae->qe", self.quadrature.shapes, everywhere[self.triangles]))
 
     @cached_property
@@ -321,6 +336,11 @@ def _check_elements(mesh: MeshTri2) -> None:
         )
 
 
+def by_node(vectors: Array) -> Array:
+    """Return nodal vectors (2, n_nodes) as one, (2 n_nodes,), in the order 2·node + component."""
+    return vectors.T.ravel()
+
+
 def straight_mesh(points: Array, triangles: Integers) -> MeshTri1:
     """Return straight triangles without letting scikit-fem reorder their corners."""
     return MeshTri1(
@@ -330,11 +350,7 @@ def straight_mesh(points: Array, triangles: Integers) -> MeshTri1:
 
 def _submesh(body: Body, elements: Integers) -> Band:
     mesh = body.mesh
-    vertices, local = np.unique(mesh.t[:, elements], return_inverse=True)
-    part = MeshTri2.from_mesh(straight_mesh(mesh.p[:, vertices], local.reshape(3, -1)))
-    ends = vertices[part.facets]
-    facets = np.array([body._facet_of[a, b] for a, b in ends.T.tolist()])
-    nodes = np.concatenate([vertices, mesh.nvertices + facets])
+    part, nodes = body.part(elements)
     sides = {name: set(body.boundary_path(name)[0].tolist()) for name in mesh.boundaries}
     sides["interface"] = set(body.interface.tolist())
     edge = part.boundary_facets()

@@ -83,13 +83,12 @@ def half(body: Body) -> Body:
     tolerance = 1e-9 * body.length
     if 2 * len(keep) != mesh.nelements or np.any(mesh.p[0][mesh.t[:, keep]] < -tolerance):
         raise ValueError("the mesh has triangles across x = 0; only a mirror-symmetric mesh can be halved.")
-    vertices, local = np.unique(mesh.t[:, keep], return_inverse=True)
-    part = MeshTri2.from_mesh(straight_mesh(mesh.p[:, vertices], local.reshape(3, -1)))
-    facets = np.array([body._facet_of[a, b] for a, b in vertices[part.facets].T.tolist()])
-    points = mesh.doflocs[:, np.concatenate([vertices, mesh.nvertices + facets])].copy()
+    part, nodes = body.part(keep)
+    points = mesh.doflocs[:, nodes].copy()
     points[0, np.abs(points[0]) < tolerance] = 0.0
     outer = part.boundary_facets()
-    named = {name: outer[np.isin(facets[outer], known)] for name, known in mesh.boundaries.items()}
+    facets = nodes[part.nvertices + outer] - mesh.nvertices
+    named = {name: outer[np.isin(facets, known)] for name, known in mesh.boundaries.items()}
     named["mirror"] = outer[points[0, part.nvertices + outer] == 0.0]
     gray = np.flatnonzero(body.in_cortex[keep])
     halved = MeshTri2(

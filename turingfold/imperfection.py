@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .arrays import Array
-from .body import Body
+from .body import Body, by_node
 from .checks import between, one_of, positive, whole
 from .scene import State
 
@@ -27,11 +27,6 @@ def noise(share: Array, modes: int, seed: int, symmetric: bool = False) -> Array
     else:
         waves = np.cos(np.pi * np.multiply.outer(share, order) + phase)
     return np.asarray(np.sqrt(2 / modes) * waves @ amplitude)
-
-
-def along_pial(body: Body, arc: Array) -> Array:
-    """Return arc lengths as shares of the whole pial surface; a mirrored body has the first half of it."""
-    return arc / (body.pial_curve.length * (2.0 if body.mirror else 1.0))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +62,7 @@ class Imperfection:
 
     def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
         """Return the noise and the field changed by it."""
-        values = noise(along_pial(body, body.arc), self.modes, seed, self.symmetric or body.mirror)
+        values = noise(body.pial_share(body.arc), self.modes, seed, self.symmetric or body.mirror)
         if self.of == "stiffness":
             return {"stiffness": np.maximum(0.1, 1.0 + self.amplitude * values)}
         return {"noise": values, **self._grown(values, state)}
@@ -92,11 +87,11 @@ def roughened(
     """
     positive("amplitude", amplitude, at_most=body.thickness, remedy="use at most the cortical thickness")
     depth, tangent, arc = body.pial_curve.nearest(body.nodes)
-    share = along_pial(body, arc)
+    share = body.pial_share(arc)
     normal = np.stack([tangent[1], -tangent[0]])
     fade = np.clip(1.0 - (depth - body.thickness) / (2 * body.thickness), 0.0, 1.0)
     ends = np.clip(np.minimum(share, 1.0 - share) * body.pial_curve.length / body.thickness, 0.0, 1.0)
     shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror) * normal
-    moved = shift.T.ravel()
+    moved = by_node(shift)
     moved[body.supported] = 0.0
     return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + moved.reshape(-1, 2).T))

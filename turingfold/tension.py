@@ -92,13 +92,10 @@ class TensionOperator:
         """Return û at the curve's nodes, (3, m)."""
         body, term = self.body, self.term
         if term.patches:
-            arc = body.pial_curve.nearest(body.nodes[:, self.nodes])[2] / body.pial_curve.length
-            count = term.patches / 2 if body.mirror else term.patches
-            values = 0.5 * (1.0 + np.cos(2 * np.pi * count * arc))
+            share = body.pial_share(body.pial_curve.nearest(body.nodes[:, self.nodes])[2])
+            values = 0.5 * (1.0 + np.cos(2 * np.pi * term.patches * share))
         else:
-            everywhere = np.full(body.nodes.shape[1], np.nan)
-            everywhere[body.cortex.nodes] = state["pattern"]
-            values = everywhere[self.nodes]
+            values = body.spread(body.cortex, state["pattern"])[self.nodes]
         if self.curve.closed:
             values = np.append(values, values[0])
         return np.stack([values[:-2:2], values[1:-1:2], values[2::2]])

@@ -1,6 +1,4 @@
-"""Zones: parts of the body where growth or cortical thickness differ, with smooth or straight ramps at their
-edge.
-"""
+"""Zones: parts of the body where growth or cortical thickness differ, with ramps at their edge."""
 
 from __future__ import annotations
 
@@ -57,8 +55,7 @@ class Ellipse:
 
 @dataclass(frozen=True, kw_only=True)
 class HalfPlane:
-    """What lies behind the line through `point`: share 0 on the line, 1 at the depth `edge` behind it and
-    beyond.
+    """What lies behind the line through `point`: share 0 on the line, 1 from the depth `edge` behind it on.
 
     point: (x, y) in m.  normal: points out of the region; its length does not matter.  edge in m.
     """
@@ -88,8 +85,7 @@ class HalfPlane:
 class Window:
     """The tissue below a part of the pial surface, from `start` to `end` as shares of its length in [0, 1].
 
-    The surface is counted counter-clockwise. edge: width of the ramps, inside the window, as a share of the
-    length.
+    The surface is counted counter-clockwise. edge: width of the ramps, inside the window, as such a share.
     """
 
     start: float
@@ -108,7 +104,7 @@ class Window:
 
     def share(self, body: Body) -> Array:
         """Return how far each integration point belongs to the region, (q, e)."""
-        along = body.arc / (body.pial_curve.length * (2.0 if body.mirror else 1.0))
+        along = body.pial_share(body.arc)
         return _ramp(np.minimum(along - self.start, self.end - along) / self.edge, self.ramp)
 
 

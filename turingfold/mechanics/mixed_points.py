@@ -58,7 +58,7 @@ class Points:
 
 def points_on(body: Body) -> Points:
     """Return the integration points of the mixed element on a body."""
-    quadrature = _quadrature(body)
+    quadrature = Quadrature.of(Basis(body.mesh, ElementTriP2(), intorder=ORDER))
     flat = quadrature.points.reshape(2, -1)
     tangent = body.pial_curve.nearest(flat)[1].reshape(quadrature.points.shape)
     here, there = quadrature.shapes, body.quadrature.shapes
@@ -79,18 +79,6 @@ def points_on(body: Body) -> Points:
         same=equal.reshape(49, 3 * q),
         mixed=pairs.reshape(49, 4 * q),
         volume=(_corners(here)[:, None, None] * slopes).reshape(21, 2 * q),
-    )
-
-
-def _quadrature(body: Body) -> Quadrature:
-    basis = Basis(body.mesh, ElementTriP2(), intorder=ORDER)
-    values = [basis.elem.lbasis(basis.X, i) for i in range(6)]
-    return Quadrature(
-        points=np.ascontiguousarray(np.swapaxes(basis.mapping.F(basis.X), 1, 2)),
-        shapes=np.stack([shape for shape, _ in values]),
-        derivatives=np.stack([slope for _, slope in values]),
-        inverse=np.ascontiguousarray(np.swapaxes(basis.mapping.invDF(basis.X), 2, 3)),
-        weights=np.ascontiguousarray(basis.dx.T),
     )
 
 
