@@ -41,7 +41,7 @@ class Stumbles:
         if state.time > 0.5 and self.how == "interrupt":
             raise KeyboardInterrupt
         if state.time > 0.5:
-            raise NotConvergedError("it stumbled")
+            raise NotConvergedError("it stumbled over a " + 20 * "long " + "sentence")
         return {}
 
 
@@ -132,7 +132,27 @@ def test_only_some_scenes(written, tmp_path, capsys):
     assert main(["run", case, "--only", "third one"]) == 2
     assert "no scene 'third one'; it has: 'first one', 'second one'" in unwrapped(capsys)
     assert main(["draw", case]) == 2
-    assert "first-one holds no result" in unwrapped(capsys)
+    assert f"no results of first one; run the case first: turingfold run {case} --only 'first one'" in (
+        unwrapped(capsys)
+    )
+
+
+def test_drawing_what_was_never_run_says_what_to_run(written, tmp_path, capsys):
+    case = written(TWO)
+    assert main(["draw", case, "--quick"]) == 2
+    said = "results/quick/tiny holds no results; run the case first: turingfold run tiny.py --quick"
+    assert unwrapped(capsys).endswith(said)
+    assert [path.name for path in tmp_path.iterdir()] == [case]
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_occupied_folders_are_found_before_anything_runs(written, tmp_path, capsys, jobs):
+    case = written(TWO)
+    assert main(["run", case, "--only", "second one"]) == 0
+    assert main(["run", case, "-j", jobs]) == 2
+    assert "scene 'second one': results/tiny/second-one already holds this result" in unwrapped(capsys)
+    assert not (tmp_path / "results/tiny/first-one").exists()
+    assert main(["run", case, "--resume"]) == 0
 
 
 def unwrapped(capsys):
@@ -156,7 +176,9 @@ def test_a_stopped_solve_is_status_3_and_the_rest_is_done(written, tmp_path, cap
     assert main(["run", written(STOPS)]) == 3
     out, err = capsys.readouterr()
     assert "STOPPED EARLY" in out
-    assert "it stumbled" in err
+    assert "stops: " in err
+    assert "it stumbled over a long long" in " ".join(err.split())
+    assert max(map(len, err.splitlines()[1:])) <= 100  # after the note
     assert "Traceback" not in err
     stops, grows = (tmp_path / "results/tiny" / name / "summary.json" for name in ("stops", "grows"))
     assert json.loads(stops.read_text())["converged"] is False
@@ -291,6 +313,20 @@ def test_stability_on_a_body_names_its_modes(tmp_path, capsys):
     assert figure.stat().st_size > 10_000
     assert main(["stability", "Schnakenberg", "--half-waves", "24", "--thickness", "-1"]) == 2
     assert "thickness=-1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "begin"), [("s.PNG", b"\x89PNG"), ("s.pdf", b"%PDF"), ("s.svg", b"<?xml")])
+def test_a_figure_has_the_format_of_its_name(tmp_path, name, begin):
+    assert main(["stability", "Schnakenberg", "--figure", str(tmp_path / name)]) == 0
+    assert (tmp_path / name).read_bytes().startswith(begin)
+
+
+@pytest.mark.parametrize("name", ["s.bmp", "s", "png"])
+def test_a_figure_of_another_format_is_refused(tmp_path, capsys, name):
+    with pytest.raises(SystemExit, match="2"):
+        main(["stability", "Schnakenberg", "--figure", str(tmp_path / name)])
+    assert f"{name}' must end with .png, .pdf or .svg" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

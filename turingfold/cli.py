@@ -9,18 +9,16 @@ from __future__ import annotations
 import argparse
 import logging
 import os
-import shlex
 import sys
-import textwrap
 import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
-from .cli_status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED
+from .cli_status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, complain, run_command
 
-WIDTH = 100
+FIGURES = (".png", ".pdf", ".svg")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
 
@@ -84,20 +82,20 @@ def parser() -> argparse.ArgumentParser:
     stability.add_argument("--half-waves", type=_at_least_one, metavar="N", help="on a semi-circle")
     stability.add_argument("--radius", type=float, default=0.0404, metavar="M", help="of it, in m (0.0404)")
     stability.add_argument("--thickness", type=float, default=2.5e-3, metavar="M", help="of cortex (0.0025)")
-    stability.add_argument("--figure", type=Path, metavar="PNG", help="draw the dispersion relation")
+    stability.add_argument("--figure", type=_figure, metavar="FILE", help="draw the dispersion relation")
     stability.set_defaults(command=_stability)
 
     buckling = commands.add_parser("buckling", parents=[common], help="critical growth and mode of a case")
     buckling.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes()")
     buckling.add_argument("--quick", action="store_true", help="of the small version")
     buckling.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
-    buckling.add_argument("--figure", type=Path, metavar="PNG", help="draw the modes")
+    buckling.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
     buckling.set_defaults(command=_buckling)
 
     compare = commands.add_parser("compare", parents=[common], help="morphometry of two results side by side")
     compare.add_argument("a", type=Path, metavar="A", help="folder of a result")
     compare.add_argument("b", type=Path, metavar="B", help="folder of another one")
-    compare.add_argument("--figure", type=Path, metavar="PNG", help="draw one on the other")
+    compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
     compare.set_defaults(command=_compare)
     return top
 
@@ -160,23 +158,25 @@ def _at_least_one(text: str) -> int:
     return int(text)
 
 
+def _figure(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() not in FIGURES:
+        raise argparse.ArgumentTypeError(f"{text!r} must end with {', '.join(FIGURES[:-1])} or {FIGURES[-1]}")
+    return path
+
+
 def _interrupted(options: argparse.Namespace) -> str:
     if not hasattr(options, "resume"):
         return "stopped."
-    words = ["turingfold", "run", str(options.case), *(["--quick"] if options.quick else [])]
-    words += ["--out", str(options.out)] if options.out else []
-    words += [word for name in options.only or [] for word in ("--only", name)]
-    words += ["--jobs", str(options.jobs)] if options.jobs > 1 else []
-    return f"stopped; nothing before the last checkpoint is lost. Go on with: {shlex.join(words)} --resume"
+    jobs = ["--jobs", str(options.jobs)] if options.jobs > 1 else []
+    again = run_command(options, options.only or [], *jobs, "--resume")
+    return f"stopped; nothing before the last checkpoint is lost. Go on with: {again}"
 
 
 def _failed(options: argparse.Namespace, message: str, status: int) -> int:
     if options.debug:
         traceback.print_exc()
-    for line in f"turingfold: {message}".splitlines():
-        # tables keep their columns, long sentences are wrapped
-        wrapped = textwrap.fill(line, WIDTH, break_on_hyphens=False) if len(line) > WIDTH else line
-        print(wrapped, file=sys.stderr)
+    complain(message)
     return status
 
 

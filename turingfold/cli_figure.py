@@ -29,11 +29,14 @@ def figure_path(case: Path, out: Path, *, apart: bool) -> Path:
 
 @contextmanager
 def save_figure(path: Path) -> Iterator[Figure]:
-    """Give an empty figure to draw on and save it as PNG; nothing is saved if drawing fails."""
+    """Give an empty figure to draw on and save it; nothing is saved if drawing fails.
+
+    The ending of the name says the format: .png, .pdf, .svg or another one that matplotlib writes.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(layout="constrained")
     yield figure
     content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=RESOLUTION, facecolor="white")
+    figure.savefig(content, format=path.suffix[1:].lower(), dpi=RESOLUTION, facecolor="white")
     write_whole(path, content.getvalue())

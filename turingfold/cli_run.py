@@ -6,7 +6,7 @@ import argparse
 import logging
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,7 +16,9 @@ from pathlib import Path
 
 from .cli_case import Case, explained, folder_name, load_case
 from .cli_figure import figure_path, save_figure
-from .cli_status import STOPPED
+from .cli_status import STOPPED, complain, run_command
+from .output.document import stored
+from .output.folder import check_folder
 from .output.history import read_history
 from .results import Result, Row, load
 from .run import simulate
@@ -48,6 +50,7 @@ def run(options: argparse.Namespace) -> int:
         Job(options.case, name, options.quick, base / folder_name(name), options.resume, options.overwrite)
         for name in scenes
     ]
+    _check_folders(jobs, scenes)
     with progress(scenes) as report:
         if options.jobs > 1:
             stopped = _together(jobs, options.jobs, report)
@@ -59,17 +62,29 @@ def run(options: argparse.Namespace) -> int:
     for line in told(case.name, results, base):
         print(line)
     for name, message in stopped.items():
-        print(f"turingfold: {name}: {message}", file=sys.stderr)
+        complain(f"{name}: {message}")
     if stopped:
         return STOPPED
     if case.draw is not None:
-        needed = case.scenes(quick=options.quick)
-        missing = [name for name in needed if not (base / folder_name(name) / "states").is_dir()]
-        if missing:
+        if missing := _without_result(case.scenes(quick=options.quick), base):
             print(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
         else:
             print(f"figure: {draw(case, options)}")
     return 0
+
+
+def _check_folders(jobs: Iterable[Job], scenes: Mapping[str, Scene]) -> None:
+    """Raise ValueError, before anything is run, where one of the scenes may not write to its folder."""
+    for job in jobs:
+        try:
+            document, _ = stored(scenes[job.name])
+            check_folder(job.folder, document, resume=job.resume, overwrite=job.overwrite)
+        except ValueError as error:
+            raise _of_scene(job, error) from error
+
+
+def _without_result(names: Iterable[str], base: Path) -> list[str]:
+    return [name for name in names if not (base / folder_name(name) / "states").is_dir()]
 
 
 def _warn_if_coarse(results: Mapping[str, Result]) -> None:
@@ -94,6 +109,10 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
         raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
     base = results_of(case, options)
     names = case.scenes(quick=options.quick)
+    if missing := _without_result(names, base):
+        which = "no results" if len(missing) == len(names) else f"no results of {', '.join(missing)}"
+        command = run_command(options, missing if len(missing) < len(names) else ())
+        raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: load(base / folder_name(name), known=case.known) for name in names}
     path = figure_path(case.path, base, apart=options.quick or options.out is not None)
     with explained(case.path), save_figure(path) as figure:

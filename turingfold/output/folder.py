@@ -75,29 +75,13 @@ class ResultFolder:
             self._history.close()
 
     def _claim(self, document: dict[str, Any], arrays: Arrays, *, resume: bool, overwrite: bool) -> None:
-        path, described = self.path, self.path / "scene.json"
-        if path.exists() and not path.is_dir():
-            raise ValueError(f"out={path} is a file; results need a folder, name another one.")
+        check_folder(self.path, document, resume=resume, overwrite=overwrite)
+        described = self.path / "scene.json"
         if described.exists():
-            other = difference(read_json(described), document, ignoring=("versions",))
-            if resume and not overwrite:
-                if other:
-                    raise ValueError(
-                        f"{path} holds the result of another scene: {other}. Resume with the scene it was "
-                        "made from, or choose another folder."
-                    )
+            if resume:
                 return
-            if not overwrite:
-                holds = f"the result of another scene ({other})" if other else "this result"
-                remedy = "" if other else ", go on with it (resume=True, --resume)"
-                raise ValueError(
-                    f"{path} already holds {holds}; choose another folder{remedy} or replace what is there "
-                    "(overwrite=True, --overwrite)."
-                )
             self._clear("scene.json", *MADE)
-        elif path.exists() and any(p.name != "body.npz" and p.suffix != ".part" for p in path.iterdir()):
-            raise ValueError(f"{path} holds files that are no result; choose an empty or a new folder.")
-        write_arrays(path / "body.npz", arrays)
+        write_arrays(self.path / "body.npz", arrays)
         write_json(described, document)
 
     def _clear(self, *patterns: str, after: int = -1) -> None:
@@ -183,6 +167,35 @@ class ResultFolder:
     def summarise(self, summary: Mapping[str, Any]) -> None:
         """Write the summary."""
         write_json(self.path / "summary.json", dict(summary))
+
+
+def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overwrite: bool) -> None:
+    """Raise ValueError where a run may not write: to a file, beside foreign files, or over another result.
+
+    document: what `document.stored` says of the scene.
+    """
+    described = path / "scene.json"
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"out={path} is a file; results need a folder, name another one.")
+    if not described.exists():
+        if path.exists() and any(p.name != "body.npz" and p.suffix != ".part" for p in path.iterdir()):
+            raise ValueError(f"{path} holds files that are no result; choose an empty or a new folder.")
+        return
+    if overwrite:
+        return
+    other = difference(read_json(described), document, ignoring=("versions",))
+    if resume and other:
+        raise ValueError(
+            f"{path} holds the result of another scene: {other}. Resume with the scene it was "
+            "made from, or choose another folder."
+        )
+    if not resume:
+        holds = f"the result of another scene ({other})" if other else "this result"
+        remedy = "" if other else ", go on with it (resume=True, --resume)"
+        raise ValueError(
+            f"{path} already holds {holds}; choose another folder{remedy} or replace what is there "
+            "(overwrite=True, --overwrite)."
+        )
 
 
 def read_states(path: Path, until: float = float("inf")) -> list[State]:
