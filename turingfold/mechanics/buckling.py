@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..arrays import Array
-from ..body import Body
+from ..body import Body, by_node
 from ..checks import finite, positive
 from ..scene import NotConvergedError, Scene, SolveError, State
 from .buckling_path import BasePath, BaseState
@@ -64,8 +64,8 @@ def buckling(scene: Scene) -> Buckling:
     """Return the first loss of stability along the scene's smooth solution.
 
     It is followed in steps of `scene.stepping`. At a bifurcation the critical growth is interpolated; a limit
-    point is found to 1e-4 of the scene's time.
-    Terms that resist motion (inertia, drag) would stiffen the tangent: leave them out.
+    point is found to 1e-4 of the scene's time. Terms that resist motion (inertia, drag) would stiffen the
+    tangent: leave them out.
     Raises NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
     """
     path = BasePath(scene)
@@ -120,7 +120,7 @@ def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
             return nodes, True
         if now.negative:
             return _closer(path, nodes, now), False
-        ahead = (now.x - path.position(state)) / (now.state.time - state.time)
+        ahead = (now.x - by_node(state["displacement"])) / (now.state.time - state.time)
         state, nodes, dt = now.state, [*nodes[-3:], now], min(1.3 * dt, longest)
     raise NotConvergedError(
         f"No loss of stability until t = {until:g}, growth {largest_growth(state):.4g}; let it grow more.",

@@ -10,8 +10,9 @@ from scipy.interpolate import BarycentricInterpolator
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from ..arrays import Array
+from ..body import by_node
 from ..scene import Evaluation, NotConvergedError, Potential, Scene, State
-from .march import begin
+from .march import acting, begin, discretised, processed
 from .pattern import Gatherer, Pattern
 from .pivots import Indefinite, symmetric
 from .rays import evaluations, rays, reached
@@ -37,13 +38,13 @@ class BasePath:
     def __init__(self, scene: Scene) -> None:
         """Factorise the tangent at the scene's start."""
         self.scene = scene
-        self.operators = [term.on(scene.body) for term in scene.terms]
-        held = scene.body.supported if any(o.grounds for o in self.operators) else scene.body.fixed
+        self.operators, held = discretised(scene)
         self.gatherer = Gatherer(2 * scene.body.nodes.shape[1], held)
         first = begin(scene).state
         self._kept: tuple[Pattern, Indefinite] | None = None
         at_start = self.potentials(first, scene.stepping.first * scene.until)
-        at = evaluations(at_start, self.position(first))
+        x = by_node(first["displacement"])
+        at = evaluations(at_start, x)
         if at is None:
             raise NotConvergedError("the scene's start is not admissible", time=0.0)
         self.rest = [e.hessian(0.0) for e in at if e.curved]
@@ -51,16 +52,11 @@ class BasePath:
         negative = self.solver(pattern).factorize(tangent).negative
         if negative:
             raise NotConvergedError("the scene is unstable at its start, before anything has grown", time=0.0)
-        self.start = BaseState(first, self.position(first), pattern, tangent, negative)
+        self.start = BaseState(first, x, pattern, tangent, negative)
 
-    @staticmethod
-    def position(state: State) -> Array:
-        """Return the displacement node by node, (2 n_nodes,)."""
-        return state["displacement"].T.ravel()
-
-    def potentials(self, state: State, dt: float) -> list[Potential]:
+    def potentials(self, state: State, dt: float) -> tuple[Potential, ...]:
         """Return the potentials of the step of length dt that ends in `state`."""
-        return [p for p in (operator.during(state, dt) for operator in self.operators) if p is not None]
+        return acting(self.operators, state, dt)
 
     def solver(self, pattern: Pattern) -> Indefinite:
         """Return the factoriser of a pattern, kept until another pattern comes."""
@@ -70,17 +66,14 @@ class BasePath:
 
     def processed(self, start: State, dt: float) -> State:
         """Return `start` with the fields that the processes have dt later."""
-        fields: dict[str, Array] = {}
-        for process in self.scene.processes:
-            fields |= process.advance(self.scene.body, State(start.time, {**start.fields, **fields}), dt)
-        return start.updated(start.time + dt, **fields)
+        return start.updated(start.time + dt, **processed(self.scene, start, dt))
 
     def step(self, start: State, dt: float, ahead: Array | None) -> BaseState:
         """Return the equilibrium dt after `start`; ahead: the expected change of displacement (2 n_nodes,).
 
         Raises NotConvergedError where Newton fails, or ends too far from the expected place.
         """
-        state, old = self.processed(start, dt), self.position(start)
+        state, old = self.processed(start, dt), by_node(start["displacement"])
         potentials = self.potentials(state, dt)
         guess = old if ahead is None else old + ahead
         if evaluations(potentials, guess) is None:
@@ -123,7 +116,7 @@ class BasePath:
                 values = np.stack([at[name] for at in known])
                 through = BarycentricInterpolator(np.array([at.time for at in known]), values)
                 state = state.updated(**{name: through(time)})
-        x = self.position(state)
+        x = by_node(state["displacement"])
         at = evaluations(self.potentials(state, nodes[-1].state.time - start.time), x)
         if at is None:
             raise NotConvergedError("the path turns too fast; make Stepping(largest=...) smaller", time=time)

@@ -1,6 +1,4 @@
-"""Inertia and drag as incremental potentials: ½‖u - û‖² in the mass norm, over the step squared or the
-step.
-"""
+"""Inertia and drag as incremental potentials: ½‖u - û‖² in the mass norm over dt² or dt."""
 
 from __future__ import annotations
 
@@ -10,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array, add_up
-from ..body import Body
+from ..body import Body, by_node
 from ..checks import one_of, positive
 from ..scene import Hessian, SimplePotential, State
 from .entries import HIGH, LOW, lower, pairs
@@ -93,9 +91,7 @@ class Mass:
 
 
 class InertiaOperator:
-    """Inertia on one body; `reach` is the point of the step at which forces balance, 1 (end) or 1/2
-    (middle).
-    """
+    """Inertia on one body; forces balance at the share `reach` of the step, 1 (end) or 1/2 (middle)."""
 
     grounds = True  # a body with mass needs no support
 
@@ -104,8 +100,8 @@ class InertiaOperator:
 
     def during(self, state: State, dt: float) -> InertiaPotential:
         """Return the potential of one step."""
-        old = state["displacement"].T.ravel()
-        velocity = state["velocity"].T.ravel() if "velocity" in state else np.zeros_like(old)
+        old = by_node(state["displacement"])
+        velocity = by_node(state["velocity"]) if "velocity" in state else np.zeros_like(old)
         return InertiaPotential(
             self.mass, old + self.reach * dt * velocity, self.reach * dt, old, velocity, dt
         )
@@ -144,9 +140,7 @@ class InertiaPotential(_TowardsTarget):
 
     def _velocity(self, end: Array) -> Array:
         mean = (end - self.old) / self.dt
-        share = (
-            self.dt / self.span
-        )  # 1: the mean velocity is the new one; 2: it is the average of old and new
+        share = self.dt / self.span  # 1: the mean velocity is the new one; 2: the average of old and new
         return share * mean - (share - 1.0) * self.velocity
 
     def measure(self, x: Array) -> dict[str, float]:
@@ -165,7 +159,7 @@ class DragOperator:
 
     def during(self, state: State, dt: float) -> DragPotential:
         """Return the potential of one step."""
-        return DragPotential(self.mass, state["displacement"].T.ravel(), dt)
+        return DragPotential(self.mass, by_node(state["displacement"]), dt)
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers
+from ..body import by_node
 from ..scene import (
     InadmissibleStateError,
     NotConvergedError,
@@ -34,7 +35,7 @@ class Step:
     @property
     def x(self) -> Array:
         """Displacement, (2 n_nodes,), node by node."""
-        return self.state["displacement"].T.ravel()
+        return by_node(self.state["displacement"])
 
     def observe(self) -> dict[str, Array]:
         """Return the fields to look at, such as stresses."""
@@ -48,8 +49,7 @@ class Step:
 class Progress:
     """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
 
-    previous: displacement before the last step and that step's length, from which the next start is
-    predicted.
+    previous, previous_dt: displacement before the last step, and its length, to predict the next start from.
     memory: what the minimiser carries from step to step.
     """
 
@@ -70,6 +70,26 @@ def begin(scene: Scene) -> Progress:
     return Progress(state, scene.stepping.first * scene.until)
 
 
+def discretised(scene: Scene) -> tuple[list[Operator], Integers]:
+    """Return the operators of the scene's terms, and the degrees of freedom that are held."""
+    operators = [term.on(scene.body) for term in scene.terms]
+    grounded = any(operator.grounds for operator in operators)
+    return operators, scene.body.supported if grounded else scene.body.fixed
+
+
+def processed(scene: Scene, state: State, dt: float) -> dict[str, Array]:
+    """Return the fields that the scene's processes have dt after `state`."""
+    fields: dict[str, Array] = {}
+    for process in scene.processes:
+        fields |= process.advance(scene.body, State(state.time, {**state.fields, **fields}), dt)
+    return fields
+
+
+def acting(operators: Sequence[Operator], state: State, dt: float) -> tuple[Potential, ...]:
+    """Return the potentials that act in the step of length dt that ends in `state`."""
+    return tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
+
+
 def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     """Yield each accepted step, and the progress from which the next one starts.
 
@@ -77,13 +97,13 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     """
     stepping, until = scene.stepping, scene.until
     started = perf_counter()
-    operators = [term.on(scene.body) for term in scene.terms]
-    held = scene.body.supported if any(operator.grounds for operator in operators) else scene.body.fixed
+    operators, held = discretised(scene)
     minimiser = Minimiser(
         2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations, progress.memory
     )
     if progress.memory is not None and progress.memory.certified:
-        minimiser.certify(_potentials(operators, progress.state, progress.previous_dt), _flat(progress.state))
+        start = progress.state
+        minimiser.certify(acting(operators, start, progress.previous_dt), by_node(start["displacement"]))
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
         if perf_counter() - started > stepping.seconds:
@@ -109,22 +129,20 @@ def _attempt(
     scene: Scene, operators: list[Operator], minimiser: Minimiser, progress: Progress, dt: float, began: float
 ) -> Step:
     """Take one step from untouched data."""
-    body, state, effort = scene.body, progress.state, minimiser.effort
+    state, effort = progress.state, minimiser.effort
     iterations, factorizations = effort.iterations, effort.factorizations
     time = state.time + dt
-    fields: dict[str, Array] = {}
-    for process in scene.processes:
-        fields |= process.advance(body, State(state.time, {**state.fields, **fields}), dt)
+    fields = processed(scene, state, dt)
     for name, values in fields.items():
         if not np.isfinite(values).all():
             raise InadmissibleStateError(f"the field {name!r} is not finite at t = {time:.4g}", time=time)
     effort.add("processes", began)
     state = state.updated(time, **fields)
-    potentials = _potentials(operators, state, dt)
+    potentials = acting(operators, state, dt)
     x = _predicted(potentials, progress, dt)
     found = minimiser.minimise(potentials, x)
     state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
-    end = _flat(state)
+    end = by_node(state["displacement"])
     if not np.array_equal(end, found.x):
         minimiser.forget()
     numbers = {
@@ -138,32 +156,22 @@ def _attempt(
     return Step(state, numbers, potentials, dict(effort.seconds))
 
 
-def _potentials(operators: list[Operator], state: State, dt: float) -> tuple[Potential, ...]:
-    return tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
-
-
-def _flat(state: State) -> Array:
-    return state["displacement"].T.ravel()
-
-
 def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> State:
     """Return the state with what the potentials leave behind; they may end the step elsewhere than at x."""
     for potential in potentials:
         state = state.updated(**potential.finish(x))
-    onward = _flat(state) - x
+    onward = by_node(state["displacement"]) - x
     if onward.any() and min(p.largest_step(x, onward) for p in potentials) < 1.0:
         raise InadmissibleStateError("the end of the step is not admissible", time=state.time)
     return state
 
 
 def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
-    """Return the displacement continued along the last step as far as admissible, if that lowers the
-    energy.
-    """
-    x = _flat(progress.state)
+    """Return the displacement ahead along the last step as far as admissible, if that lowers the energy."""
+    x = by_node(progress.state["displacement"])
     if progress.previous is None:
         return x
-    ahead = (x - progress.previous.T.ravel()) * (dt / progress.previous_dt)
+    ahead = (x - by_node(progress.previous)) * (dt / progress.previous_dt)
     guess = x + min(p.largest_step(x, ahead) for p in potentials) * ahead
     return guess if _energy(potentials, guess) <= _energy(potentials, x) else x
 
