@@ -9,9 +9,11 @@ import time
 from pathlib import Path
 
 import pytest
+from small import elastic_scene
 
-from turingfold import load
+from turingfold import Result, load, semicircle, simulate
 from turingfold.cli import main
+from turingfold.cli_run import told
 
 CASE = '''"""A patch of cortex that grows. Less than a second.
 
@@ -87,10 +89,28 @@ def test_run_writes_results_figure_and_five_lines(written, tmp_path, capsys):
     lines = out.splitlines()
     assert len(lines) == 6  # five and the figure
     assert lines[0].startswith("tiny, grows: reached the end at growth 1.20")
-    assert lines[1] == "folds: 0 sulci, 0.00 mm deep on average; gyrification index 1.00"
+    assert lines[1] == "folds: 0 sulci; gyrification index 1.00"
     assert lines[3] == "pattern: no pattern"
     assert (tmp_path / "results/tiny/tiny.png").read_bytes().startswith(b"\x89PNG")
     assert json.loads((tmp_path / "results/tiny/grows/summary.json").read_text())["converged"] is True
+
+
+@pytest.mark.parametrize(
+    ("radius", "depth", "gap"),
+    [
+        (0.04, "12.30 mm deep on average; ", "0.02 mm;"),
+        (1.0, "1.23 T deep on average (T: cortical thickness); ", "0.002 T;"),
+    ],
+)
+def test_lengths_are_told_in_a_unit_that_suits_the_body(monkeypatch, radius, depth, gap):
+    thickness = radius / 4
+    result = simulate(elastic_scene(body=semicircle(radius=radius, thickness=thickness, size=thickness)))
+    shape = {"folds": 3, "sulcal_depth": 1.23 * thickness, "min_gap": 0.002 * thickness}
+    summary = result.summary() | shape
+    monkeypatch.setattr(Result, "summary", lambda _: summary)
+    _, folds, walls, *_ = told("case", {"scene": result}, Path("results"))
+    assert f"folds: 3 sulci, {depth}" in folds
+    assert f"smallest gap between walls {gap}" in walls
 
 
 def test_quick_results_are_kept_apart(written, tmp_path):

@@ -50,6 +50,15 @@ def test_the_scale_bar_is_as_long_as_it_says(folded, figure):
     assert np.ptp(line.get_xdata()) == pytest.approx(float(text.get_text().removesuffix(" mm")))
 
 
+def test_the_scale_bar_of_a_body_in_units_of_its_own_is_in_thicknesses(figure):
+    # a fifth of the width 2 is 1.6 thicknesses of 0.25: the bar has one
+    axes = figure.add_subplot()
+    plots.scale_bar(axes, semicircle(radius=1.0, thickness=0.25, size=0.25))
+    (line,), (text,) = axes.lines, axes.texts
+    assert text.get_text() == "1 T"
+    assert np.ptp(line.get_xdata()) == pytest.approx(1e3 * 0.25)
+
+
 @pytest.mark.parametrize(("length", "rounded"), [(16.16, 10), (0.2, 0.2), (7.0, 5), (99.0, 50), (3e-3, 2e-3)])
 def test_lengths_are_rounded_down(length, rounded):
     assert round_length(length) == pytest.approx(rounded)

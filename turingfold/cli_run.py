@@ -20,7 +20,7 @@ from .cli_status import STOPPED, complain, run_command
 from .output.document import stored
 from .output.folder import check_folder
 from .output.history import read_history
-from .results import Result, Row, load
+from .results import Result, Row, length_unit, load
 from .run import simulate
 from .scene import Scene, SolveError
 
@@ -227,7 +227,10 @@ def progress(scenes: Mapping[str, Scene]) -> Iterator[Report]:
 
 
 def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
-    """Yield what a person wants to know: five lines for one scene, a line each for several."""
+    """Yield what a person wants to know: five lines for one scene, a line each for several.
+
+    Lengths are in mm, or in cortical thicknesses for bodies in units of their own (`results.length_unit`).
+    """
     summaries = {name: result.summary() for name, result in results.items()}
     if len(results) != 1:
         width = max(map(len, results), default=0)
@@ -245,11 +248,13 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         f"{case}, {name}: {end} at growth {s['growth']:.2f} in {s['seconds']:.0f} s ({s['steps']} steps, "
         f"{s['newton_iterations']} Newton iterations, {s['dofs']} unknowns)"
     )
-    yield (
-        f"folds: {s['folds']} sulci, {1e3 * s['sulcal_depth']:.2f} mm deep on average; gyrification index "
-        f"{s['gyrification_index']:.2f}"
-    )
-    gap = "no contact" if s["min_gap"] is None else f"smallest gap between walls {1e6 * s['min_gap']:.0f} µm"
+    unit, word = length_unit(results[name].scene.body)
+    thickness = " (T: cortical thickness)" if word == "T" else ""
+    deep = f", {s['sulcal_depth'] / unit:.2f} {word} deep on average{thickness}" if s["folds"] else ""
+    yield f"folds: {s['folds']} sulci{deep}; gyrification index {s['gyrification_index']:.2f}"
+    gap = "no contact"
+    if s["min_gap"] is not None:
+        gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
     jacobian = "" if s["min_jacobian"] is None else f"; smallest J* {s['min_jacobian']:.2f}"
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
     yield f"pattern: {_gyri(s['registration'])}"

@@ -28,7 +28,7 @@ from .drawing import (
     shown,
 )
 from .mechanics.factor import largest_growth
-from .results import Result, along_pial
+from .results import Result, along_pial, length_unit
 from .scene import Scene, State, Term
 
 if TYPE_CHECKING:
@@ -189,12 +189,16 @@ def panels(
 
 
 def scale_bar(axes: Axes, body: Body) -> None:
-    """Draw a scale bar of a round length, about a fifth of the body, below it."""
+    """Draw a scale bar of a round length, about a fifth of the body, below it; see `results.length_unit`."""
     x, y = MM * body.nodes
     right, width = x.max(), np.ptp(x) * (2 if body.mirror else 1)
-    length, level = round_length(0.2 * width), y.min() - 0.05 * width
+    unit, name = length_unit(body)
+    number = round_length(0.2 * width / (MM * unit))
+    length, level = number * MM * unit, y.min() - 0.05 * width
     axes.plot([right - length, right], [level, level], color=INK, linewidth=2.5, solid_capstyle="butt")
-    axes.text(right - length / 2, level - 0.012 * width, f"{length:g} mm", ha="center", va="top", color=INK)
+    axes.text(
+        right - length / 2, level - 0.012 * width, f"{number:g} {name}", ha="center", va="top", color=INK
+    )
 
 
 def folding(figure: Figure, result: Result, *, term: Term) -> None:

@@ -20,6 +20,7 @@ Row = dict[str, float]
 FilePath = str | os.PathLike[str]
 
 NAN = float("nan")
+BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +153,14 @@ def observe(operators: Iterable[Operator], state: State, dt: float) -> dict[str,
         if potential is not None:
             fields |= potential.observe(x)
     return fields
+
+
+def length_unit(body: Body) -> tuple[float, str]:
+    """Return the unit that lengths of a body are shown in, and its name.
+
+    That is 1e-3 m, "mm"; for a body in units of its own, longer than 0.5, the cortical thickness, "T".
+    """
+    return (body.thickness, "T") if body.length > BRAIN else (1e-3, "mm")
 
 
 def along_pial(body: Body, values: Array) -> Array:
