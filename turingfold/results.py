@@ -54,8 +54,7 @@ class Result:
         body, state = self.scene.body, self.states[step]
         if "pattern" not in state:
             return None
-        everywhere = np.zeros(body.nodes.shape[1])
-        everywhere[body.cortex.nodes] = state["pattern"]
+        everywhere = body.spread(body.cortex, state["pattern"], outside=0.0)
         return along_pial(body, everywhere[body.pial])
 
     def observe(self, step: int = -1) -> dict[str, Array]:

@@ -45,8 +45,7 @@ NEARLY_INCOMPRESSIBLE = 0.49  # Poisson's ratio from which the quadratic element
 class Elastic:
     """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer.
 
-    It grows where a process writes "growth", and "stiffness" multiplies its moduli where a process writes
-    that.
+    Where processes write them, "growth" makes it grow and "stiffness" multiplies its moduli.
 
     layers: "sharp" takes the moduli by element; "sigmoid" blends them by θ(y) = 1/(1 + exp(10 (y/T - 1))).
     Without `white` the whole body is gray.
