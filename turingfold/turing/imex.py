@@ -103,6 +103,7 @@ ARS443 = RungeKutta(
     ),
     _square([[0], [1 / 2], [11 / 18, 1 / 18], [5 / 6, -5 / 6, 1 / 2], [1 / 4, 7 / 4, 3 / 4, -7 / 4, 0]]),
 )
+CHECKED = 10  # steps from one look at the reaction to the next, which costs about as much as one evaluation
 SCHEMES = {scheme.name: scheme for scheme in (SBDF1, SBDF2, SBDF3, CNAB2, MCNAB2, ARS222, ARS443)}
 
 
@@ -124,13 +125,15 @@ def march_imex(
 ) -> Iterator[Moment]:
     """Yield every step from `state` to `until`; `step` is made a little smaller to divide it evenly.
 
-    Raises ValueError if the step is beyond the scheme's limit for the reaction at the start, and
-    InadmissibleStateError if the state stops being finite later.
+    The reaction's eigenvalues are looked at every CHECKED steps.  Raises ValueError if the step is beyond the
+    scheme's limit at the start, and InadmissibleStateError, with the time and the step that would do, if the
+    reaction becomes too fast for it or the state stops being finite later.
     """
     state = system.check(state)
     count = math.ceil(positive("until", until) / positive("step", step) * (1 - 1e-12))
     dt = until / count
-    _refuse_beyond_limit(scheme, dt, fastest_reaction(system, state))
+    if refusal := _beyond_limit(scheme, dt, fastest_reaction(system, state)):
+        raise ValueError(refusal)
     if isinstance(scheme, Multistep):
         states = _multistep(system, state, dt, count, scheme)
     else:
@@ -141,21 +144,23 @@ def march_imex(
             if not np.isfinite(new).all():
                 raise InadmissibleStateError(
                     f"{scheme.name} with step {dt:.4g} left the finite numbers at time {n * dt:.6g}: the "
-                    "reaction "
-                    f"has become faster than the step resolves; use a smaller step or an adaptive method.",
+                    "reaction has become faster than the step resolves; use a smaller step or an adaptive "
+                    "method.",
                     time=n * dt,
                 )
+            if n % CHECKED == 0 and (refusal := _beyond_limit(scheme, dt, fastest_reaction(system, new))):
+                raise InadmissibleStateError(f"at time {n * dt:.6g} {refusal}", time=n * dt)
             yield Moment(n * dt, new, n, factorizations)
 
 
-def _refuse_beyond_limit(scheme: Multistep | RungeKutta, dt: float, fastest: float) -> None:
+def _beyond_limit(scheme: Multistep | RungeKutta, dt: float, fastest: float) -> str:
     if dt * fastest > scheme.reaction_limit:
-        raise ValueError(
+        return (
             f"step={dt:.4g} must be at most {scheme.reaction_limit / fastest:.4g}: {scheme.name} treats the "
-            "reaction "
-            f"explicitly, whose largest eigenvalue is {fastest:.4g}, and holds up to a product of "
+            f"reaction explicitly, whose largest eigenvalue is {fastest:.4g}, and holds up to a product of "
             f"{scheme.reaction_limit:.4g}; use a smaller step or an adaptive method."
         )
+    return ""
 
 
 def _implicit_solvers(system: ReactionDiffusion, mass: float, dt: float) -> tuple[Solver, Solver]:
