@@ -9,8 +9,9 @@ from skfem import MeshTri1
 from turingfold.body import Body
 from turingfold.geometry import semicircle
 from turingfold.growth import TangentialGrowth
-from turingfold.mechanics.elastic import Elastic, _first_loss
+from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.material import NeoHookean
+from turingfold.mechanics.points import first_loss
 from turingfold.scene import State
 
 GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
@@ -222,7 +223,7 @@ def test_the_step_bound_is_admissible_and_not_timid(seed, size):
 @settings(derandomize=True, max_examples=60, deadline=None)
 @given(c=st.floats(0.01, 10.0), l=st.floats(-50.0, 50.0), q=st.floats(-50.0, 50.0))
 def test_first_loss_is_the_first_root(c, l, q):
-    found = _first_loss(np.array([c]), np.array([l]), np.array([q]))
+    found = first_loss(np.array([c]), np.array([l]), np.array([q]))
     s = np.linspace(0.0, 1.0, 2001)
     values = c + l * s + q * s**2
     sure = 1e-9 * (c + abs(l) + abs(q))

@@ -72,9 +72,8 @@ class ActiveOperator:
         if not self.follows_pattern:
             return ActivePotential(self, self.weights)
         body = self.body
-        curve = np.full(body.nodes.shape[1], np.nan)
-        curve[body.cortex.nodes] = state["pattern"]
-        pattern = np.interp(body.arc[:, self.elements], body.pial_arc, curve[body.pial])
+        along_pial = body.spread(body.cortex, state["pattern"])[body.pial]
+        pattern = np.interp(body.arc[:, self.elements], body.pial_arc, along_pial)
         return ActivePotential(self, self.weights * pattern)
 
 

@@ -21,7 +21,6 @@ from ..checks import one_of
 from ..growth import cortex_indicator
 from ..scene import Hessian, Operator, SimplePotential, State
 from . import material
-from .convexity import negative_part
 from .entries import lower, pairs, slope_products
 from .material import NeoHookean
 from .points import (
@@ -30,11 +29,12 @@ from .points import (
     deformation,
     determinant,
     determinant_along,
+    first_loss,
     metric,
+    tangents,
     times_symmetric,
     von_mises,
 )
-from .points import first_loss as _first_loss
 
 LAYERS = ("sigmoid", "sharp")
 ELEMENTS = ("auto", "quadratic", "mixed")
@@ -142,7 +142,8 @@ class ElasticOperator:
         """Return the elastic energy with the growth and stiffness in `state`."""
         growth = state.fields.get("growth")
         if self._grown is None or self._grown[0] is not growth:
-            self._grown = growth, metric(self.body.quadrature, self.body.tangent, growth)
+            tangent = None if growth is None else self.body.tangent
+            self._grown = growth, metric(self.body.quadrature, tangent, growth)
         stiffness = state.fields.get("stiffness")
         mu, kappa = (
             (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
@@ -179,7 +180,7 @@ class ElasticPotential(SimplePotential):
     def largest_step(self, x: Array, direction: Array) -> float:
         """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
         now, linear, square = determinant_along(self.stretch(x), self.operator.gradient(direction))
-        return _first_loss(0.9 * now, linear, square)
+        return first_loss(0.9 * now, linear, square)
 
     def observe(self, x: Array) -> dict[str, Array]:
         """Return von Mises stress, pressure (from the 3D Cauchy stress, Pa) and J*, each (q, e)."""
@@ -234,36 +235,9 @@ class ElasticEvaluation:
         """Return the tangent, with the share `convexity` of its negative part at each point taken away."""
         operator, m, (a, b) = self.potential.operator, self.potential.metric, self._slopes
         c1, c2 = material.curvatures(*self.law)
-        w, C = m.weights, self._cofactor
-        # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
-        K = (w * c1) * self.HB + (0.5 * w * c2) * C
+        same, mixed = tangents(m, self.H, self.HB, self._cofactor, (a, b, c1, c2), convexity)
         q, e = a.shape
-        same = np.empty((2, 3, q, e))
-        same[:] = (w * a) * m.B
-        same[:, ::2] += 2 * K * C
-        same[:, 1] += K[:, 0] * C[:, 1] + K[:, 1] * C[:, 0]
-        mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]  # (m, n, q, e)
-        turn = w * b * m.delta
-        mixed[0, 1] += turn
-        mixed[1, 0] -= turn
-        if convexity > 0:
-            self._add_negative_part(convexity, same, mixed, c1, c2)
         values = np.empty((78, e))
         np.matmul(operator.same, same.reshape(2, 3 * q, e), out=values[:42].reshape(2, 21, e))
         np.matmul(operator.mixed, mixed.reshape(4 * q, e), out=values[42:])
         return Hessian(operator.rows, operator.columns, values, lasting=True)
-
-    def _add_negative_part(self, share: float, same: Array, mixed: Array, c1: Array, c2: Array) -> None:
-        m, (a, b) = self.potential.metric, self._slopes
-        F = deformation(self.H, m.D)
-        where, weights, vectors = negative_part(F, np.sqrt(m.out2), a, b, c1, c2)
-        weights *= share * m.weights.ravel()[where]
-        for weight, vector in zip(weights, vectors, strict=True):
-            if not weight.any():  # mostly only one of the four directions is unstable anywhere
-                continue
-            V = np.zeros_like(F)
-            V.reshape(2, 2, -1)[:, :, where] = np.sqrt(weight) * vector
-            V = V[:, :1] * m.D[:, 0] + V[:, 1:] * m.D[:, 1]
-            same[:, ::2] += V * V
-            same[:, 1] += V[:, 0] * V[:, 1]
-            mixed += V[0][:, None] * V[1]

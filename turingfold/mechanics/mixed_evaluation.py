@@ -9,7 +9,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..scene import Hessian
-from .mixed_points import Kinematics, Law, kinematics, law, tangents
+from .mixed_points import Kinematics, Law, kinematics, law
+from .points import tangents
 
 if TYPE_CHECKING:
     from .mixed import MixedPotential
@@ -147,9 +148,9 @@ class MixedEvaluation:
     def _integrated(self, convexity: float) -> Array:
         """Return the element matrices of all 14 unknowns, component by component, (14, 14, e)."""
         potential, points = self.potential, self.potential.operator.points
-        at_points = law(potential.mu, self.at, points.linear.T @ self.pressure)
-        same, mixed = tangents(self.at, potential.metric, at_points, convexity)
-        q, e = self.at.J.shape
+        at, l = self.at, law(potential.mu, self.at, points.linear.T @ self.pressure)
+        same, mixed = tangents(potential.metric, at.H, at.HB, at.C, (l.a, l.b, l.c1, l.c2), convexity)
+        q, e = at.J.shape
         K: Array = np.einsum("kie,kje->ije", self.volume_slope, _times(potential.bulk, self.volume_slope))
         equal = (points.same @ same.reshape(2, 3 * q, e)).reshape(2, 7, 7, e)
         other = (points.mixed @ mixed.reshape(4 * q, e)).reshape(7, 7, e)

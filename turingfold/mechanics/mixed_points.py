@@ -13,8 +13,7 @@ from skfem import Basis, ElementTriP2
 
 from ..arrays import Array
 from ..body import Body, Quadrature
-from .convexity import negative_part
-from .points import Metric, cofactor, deformation, determinant, times_symmetric
+from .points import Metric, cofactor, determinant, times_symmetric
 
 ORDER = 6
 
@@ -130,49 +129,3 @@ def law(mu: Array, at: Kinematics, pressure: Array) -> Law:
     """Return the coefficients of the energy μ/2 (I₁ J^{-2/3} - 3) + p (J - 1) with the given p, (q, e)."""
     a = mu * at.shrink
     return Law(a, pressure - a * at.I1 / (3 * at.J), -2 * a / (3 * at.J), 5 * a * at.I1 / (9 * at.J**2))
-
-
-def tangents(at: Kinematics, metric: Metric, law: Law, convexity: float) -> tuple[Array, Array]:
-    """Return the weighted tangent at the points, with the share `convexity` of its negative part taken away.
-
-    For equal components i: (2, 3, q, e), the xx, xy and yy coefficients of slopes; for components 0 and 1:
-    (2, 2, q, e).
-    """
-    w, C = metric.weights, at.C
-    wa = w * law.a
-    # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
-    K = (w * law.c1) * at.HB + (0.5 * w * law.c2) * C
-    same = np.stack(
-        [
-            np.stack([
-                wa * metric.B[0] + 2 * K[i, 0] * C[i, 0],
-                wa * metric.B[1] + K[i, 0] * C[i, 1] + K[i, 1] * C[i, 0],
-                wa * metric.B[2] + 2 * K[i, 1] * C[i, 1],
-            ])
-            for i in (0, 1)
-        ]
-    )
-    mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]
-    turn = w * law.b * metric.delta
-    mixed[0, 1] += turn
-    mixed[1, 0] -= turn
-    if convexity > 0:
-        _add_negative_part(convexity, same, mixed, at, metric, law)
-    return same, mixed
-
-
-def _add_negative_part(
-    share: float, same: Array, mixed: Array, at: Kinematics, metric: Metric, law: Law
-) -> None:
-    F = deformation(at.H, metric.D)
-    where, weights, vectors = negative_part(F, np.sqrt(metric.out2), law.a, law.b, law.c1, law.c2)
-    weights = weights * (share * metric.weights.ravel()[where])
-    D = metric.D.reshape(2, 2, -1)[:, :, where]
-    N = np.zeros((2, 2, 2, 2, len(where)))
-    for weight, v in zip(weights, vectors, strict=True):
-        V = v[:, 0][:, None] * D[:, 0] + v[:, 1][:, None] * D[:, 1]
-        N += (weight * V)[:, :, None, None] * V
-    for i in (0, 1):
-        for k, (p, r) in enumerate(((0, 0), (0, 1), (1, 1))):
-            same[i, k].ravel()[where] += N[i, p, i, r]
-    mixed.reshape(2, 2, -1)[:, :, where] += N[0, :, 1, :]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..body import Quadrature
+from .convexity import negative_part
 
 
 @dataclass(frozen=True)
@@ -25,12 +26,12 @@ class Metric:
     weights: Array
 
 
-def metric(quadrature: Quadrature, tangent: Array, growth: Array | None) -> Metric:
+def metric(quadrature: Quadrature, tangent: Array | None, growth: Array | None) -> Metric:
     """Return the pull-back for growth factors (3, q, e) along tangent, normal and z, or for none.
 
-    tangent: of the nearest pial point, (2, q, e).
+    tangent: of the nearest pial point, (2, q, e); only growth needs it.
     """
-    if growth is None:
+    if growth is None or tangent is None:
         D, out, weights = quadrature.inverse, np.ones_like(quadrature.weights), quadrature.weights
     else:
         tx, ty = tangent
@@ -75,6 +76,48 @@ def von_mises(mu: Array, F: Array, out2: Array, I1: Array, J: Array) -> Array:
     xx, yy = F[0, 0] ** 2 + F[0, 1] ** 2 - mean, F[1, 0] ** 2 + F[1, 1] ** 2 - mean
     xy, zz = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1], out2 - mean
     return np.asarray(mu * np.cbrt(J) ** -5 * np.sqrt(1.5 * (xx**2 + yy**2 + zz**2 + 2 * xy**2)))
+
+
+def tangents(
+    metric: Metric, H: Array, HB: Array, C: Array, law: tuple[Array, Array, Array, Array], convexity: float
+) -> tuple[Array, Array]:
+    """Return the weighted tangent at the points, with the share `convexity` of its negative part taken away.
+
+    law: a, b of P = a H B + b C and c₁, c₂ of its derivative, each (q, e).
+    For equal components i: (2, 3, q, e), the xx, xy and yy coefficients of slopes; for components 0 and 1:
+    (2, 2, q, e).
+    """
+    (a, b, c1, c2), w = law, metric.weights
+    # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
+    K = (w * c1) * HB + (0.5 * w * c2) * C
+    same = np.empty((2, 3, *a.shape))
+    same[:] = (w * a) * metric.B
+    same[:, ::2] += 2 * K * C
+    same[:, 1] += K[:, 0] * C[:, 1] + K[:, 1] * C[:, 0]
+    mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]  # (m, n, q, e)
+    turn = w * b * metric.delta
+    mixed[0, 1] += turn
+    mixed[1, 0] -= turn
+    if convexity > 0:
+        _add_negative_part(convexity, same, mixed, metric, deformation(H, metric.D), law)
+    return same, mixed
+
+
+def _add_negative_part(
+    share: float, same: Array, mixed: Array, metric: Metric, F: Array, law: tuple[Array, Array, Array, Array]
+) -> None:
+    D = metric.D
+    where, weights, vectors = negative_part(F, np.sqrt(metric.out2), *law)
+    weights *= share * metric.weights.ravel()[where]
+    for weight, vector in zip(weights, vectors, strict=True):
+        if not weight.any():  # mostly only one of the four directions is unstable anywhere
+            continue
+        V = np.zeros_like(F)
+        V.reshape(2, 2, -1)[:, :, where] = np.sqrt(weight) * vector
+        V = V[:, :1] * D[:, 0] + V[:, 1:] * D[:, 1]
+        same[:, ::2] += V * V
+        same[:, 1] += V[:, 0] * V[:, 1]
+        mixed += V[0][:, None] * V[1]
 
 
 def determinant_along(H: Array, dH: Array) -> tuple[Array, Array, Array]:
