@@ -105,8 +105,7 @@ class Curve:
 
 
 def chain(pairs: Integers) -> tuple[Integers, bool]:
-    """Return the order in which edges (2, n) follow each other head to tail, as vertices, and whether they
-    close.
+    """Return the vertices of edges (2, n) in the order in which they follow each other, and if they close.
 
     Raises ValueError if the edges do not make one single curve.
     """

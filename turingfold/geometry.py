@@ -160,9 +160,7 @@ def _quarter_mesh(a: float, b: float, thickness: float, size: float, coarsening:
 
 
 def _offset_quarter(a: float, b: float) -> tuple[Quarter, float]:
-    """Return the map (fraction of pial arc length, depth) -> point for a quarter ellipse, and its arc
-    length.
-    """
+    """Return the map (fraction of pial arc, depth) -> point of a quarter ellipse, and its arc length."""
     angle = np.linspace(0.0, np.pi / 2, 4001)
     nodes, weights = np.polynomial.legendre.leggauss(6)
     middle, half_width = 0.5 * (angle[1:] + angle[:-1]), 0.5 * (angle[1] - angle[0])
@@ -187,9 +185,7 @@ def _offset_quarter(a: float, b: float) -> tuple[Quarter, float]:
 def _cortex(
     rings: list[Array], at: Quarter, fractions: Array, thickness: float, layers: int
 ) -> tuple[list[tuple[int, int, int]], dict[tuple[int, int], tuple[float, float]]]:
-    """Split the quadrilaterals between rings by alternating diagonals; put edge middles on the offset
-    curves.
-    """
+    """Split the quadrilaterals between rings by alternating diagonals; edge middles lie on the curves."""
     triangles: list[tuple[int, int, int]] = []
     middles: dict[tuple[int, int], tuple[float, float]] = {}
     halfway = 0.5 * (fractions[1:] + fractions[:-1])

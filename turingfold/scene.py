@@ -96,8 +96,7 @@ class Evaluation(Protocol):
 class Hessian:
     """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up.
 
-    lasting: the two index arrays are the same objects each time, so that their places need be found only
-    once.
+    lasting: the two index arrays are the same objects each time, so their places need be found only once.
     room: rows and columns of entries that may come soon, asked for when places are made.
     """
 
@@ -109,9 +108,7 @@ class Hessian:
 
 
 class Potential(Protocol):
-    """A term on a body with the fields of one step frozen; x is the displacement (2 n_nodes,), node by
-    node.
-    """
+    """A term on a body with the fields of one step frozen; x: displacement (2 n_nodes,), node by node."""
 
     def evaluate(self, x: Array) -> Evaluation | None:
         """Return the evaluation at x, or None where the energy is infinite there."""

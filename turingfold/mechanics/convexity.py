@@ -68,9 +68,7 @@ def _unit(v: Array) -> Array:
 
 
 def _symmetric_pair(first: Array, second: Array, coupling: Array) -> tuple[Array, Array, Array, Array]:
-    """Eigenvalues of [[first, coupling], [coupling, second]] and the direction (cosine, sine) of the lower
-    one.
-    """
+    """Return the eigenvalues of [[first, coupling], [coupling, second]] and the lower one's direction."""
     mean, half = 0.5 * (first + second), 0.5 * (first - second)
     spread = np.hypot(half, coupling)
     angle = 0.5 * np.arctan2(-coupling, -half)

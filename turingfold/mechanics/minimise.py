@@ -56,9 +56,7 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Memory:
-    """What must be kept to go on to the last bit: matrix places, convexity level, whether a tangent is at
-    hand.
-    """
+    """What a restart needs for the same bits: matrix places, convexity level, whether a tangent is at hand."""
 
     places: Integers
     level: int

@@ -123,9 +123,7 @@ class Gatherer:
         return slots
 
     def _make_room(self, hessians: list[Hessian]) -> None:
-        """Build a pattern with a place for every entry, those seen before in lasting Hessians, and their
-        room.
-        """
+        """Build a pattern with a place for every entry, also of lasting Hessians seen before, and room."""
         passing = []
         for hessian in hessians:
             if id(hessian.rows) in self._lasting:
