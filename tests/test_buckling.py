@@ -12,6 +12,7 @@ from turingfold.geometry import half, semicircle
 from turingfold.growth import TangentialGrowth
 from turingfold.mechanics.buckling import buckling, half_waves, negative_pivots
 from turingfold.mechanics.buckling_path import BasePath
+from turingfold.mechanics.dynamics import Drag
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
@@ -269,3 +270,10 @@ def test_no_amplitude_is_no_branch():
     for amplitude, dt in ((0.0, 0.1), (np.nan, 0.1), (0.1, 0.0)):
         with pytest.raises(ValueError, match=r"amplitude|dt"):
             found.switched(amplitude, dt)
+
+
+def test_terms_that_resist_motion_are_refused():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.2, base="roller")
+    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), Drag(coefficient=1.0))
+    with pytest.raises(ValueError, match="Drag"):
+        buckling(Scene(body=body, terms=terms, processes=(TangentialGrowth(cortex=1.9),)))

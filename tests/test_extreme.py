@@ -3,7 +3,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from skfem import MeshTri1
 
+from turingfold.body import Body
 from turingfold.geometry import semiellipse
 from turingfold.growth import TangentialGrowth
 from turingfold.mechanics.contact import SelfContact
@@ -132,3 +134,18 @@ def test_millimetres_take_the_same_steps_as_metres():
 def test_two_runs_give_the_same_bytes():
     one, other = (examine(scene(layers=1))[0][-1] for _ in range(2))
     assert one.state["displacement"].tobytes() == other.state["displacement"].tobytes()
+
+
+def test_slivers_stretch_as_exactly_as_good_triangles():
+    """Triangles 10⁴ times longer than high: growth along them alone stays free of stress."""
+    mesh = MeshTri1.init_tensor(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1e-4, 5))
+    sides = {"pial": lambda x: x[1] > 0.99e-4, "base": lambda x: x[1] == 0.0}
+    body = Body(mesh.with_boundaries(sides), 0.5e-4, "roller")
+    solid = Elastic(gray=NeoHookean(1.0, 5.0))
+    growth = TangentialGrowth(cortex=1.3, core=1.3, layers="sharp")
+    made = Scene(body=body, terms=(solid,), processes=(growth,))
+    for step, _ in march(made, begin(made)):
+        assert step.numbers["negative_pivots"] == 0
+    stretched = body.nodes[0] + step.state["displacement"][0]
+    assert np.ptp(stretched) == pytest.approx(1.3, rel=1e-9)
+    assert step.observe()["von_mises"].max() < 1e-7

@@ -96,3 +96,13 @@ def test_bad_amplitude(amplitude):
         Imperfection(amplitude=amplitude)
     with pytest.raises(ValueError, match="amplitude"):
         roughened(body(), amplitude)
+
+
+def test_rough_thickness_leaves_the_interface():
+    smooth = body(0.025)
+    rough = roughened(smooth, 0.004, of="thickness", modes=20, seed=5)
+    shift = rough.nodes - smooth.nodes
+    assert shift[:, smooth.interface] == pytest.approx(0.0, abs=1e-9)
+    assert np.hypot(*shift[:, smooth.pial]).max() > 0.004
+    with pytest.raises(ValueError, match="'shape', 'thickness'"):
+        roughened(smooth, 0.004, of="colour")

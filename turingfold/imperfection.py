@@ -78,18 +78,28 @@ class Imperfection:
 
 
 def roughened(
-    body: Body, amplitude: float, *, modes: int = 80, seed: int = 0, symmetric: bool = False
+    body: Body,
+    amplitude: float,
+    *,
+    of: str = "shape",
+    modes: int = 80,
+    seed: int = 0,
+    symmetric: bool = False,
 ) -> Body:
-    """Return the body with pial surface and interface displaced along the normal by amplitude·ξ, alike; m.
+    """Return the body with its pial surface displaced along the normal by amplitude·ξ; m.
 
-    The displacement fades over two cortical thicknesses below the interface and to nothing at the base.
-    Raises ValueError where it would turn triangles over.
+    of "shape": the interface moves alike, and the displacement fades over two cortical thicknesses below it;
+    "thickness": it fades from the pial surface to the interface, so that the cortex is thicker and thinner.
+    At the base it fades to nothing.
+    Raises ValueError where it would turn triangles over: use a smaller amplitude or fewer modes there.
     """
+    one_of("of", of, ("shape", "thickness"))
     positive("amplitude", amplitude, at_most=body.thickness, remedy="use at most the cortical thickness")
     depth, tangent, arc = body.pial_curve.nearest(body.nodes)
     share = body.pial_share(arc)
     normal = np.stack([tangent[1], -tangent[0]])
-    fade = np.clip(1.0 - (depth - body.thickness) / (2 * body.thickness), 0.0, 1.0)
+    below = (depth - body.thickness) / (2 * body.thickness) if of == "shape" else depth / body.thickness
+    fade = np.clip(1.0 - below, 0.0, 1.0)
     ends = np.clip(np.minimum(share, 1.0 - share) * body.pial_curve.length / body.thickness, 0.0, 1.0)
     shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror) * normal
     moved = by_node(shift)

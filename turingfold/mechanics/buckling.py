@@ -64,11 +64,16 @@ def buckling(scene: Scene) -> Buckling:
     """Return the first loss of stability along the scene's smooth solution.
 
     It is followed in steps of `scene.stepping`. At a bifurcation the critical growth is interpolated; a limit
-    point is found to 1e-4 of the scene's time. Terms that resist motion (inertia, drag) would stiffen the
-    tangent: leave them out.
-    Raises NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
+    point is found to 1e-4 of the scene's time.
+    Raises ValueError for terms that resist motion (inertia, drag): they would stiffen the tangent. Raises
+    NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
     """
     path = BasePath(scene)
+    for term, operator in zip(scene.terms, path.operators, strict=True):
+        if operator.grounds:
+            raise ValueError(
+                f"terms holds {term!r}, which resists motion and hides the loss of stability; leave it out."
+            )
     nodes, limit = _bracket(path)
     base = nodes[-1] if limit else _crossing(path, nodes)
     stiffness, vector = path.lowest(base)

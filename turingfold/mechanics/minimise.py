@@ -56,7 +56,7 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Memory:
-    """What a restart needs for the same bits: matrix places, convexity level, whether a tangent is at hand."""
+    """What a restart needs for the same bits: matrix places, convexity, whether a tangent is at hand."""
 
     places: Integers
     level: int
