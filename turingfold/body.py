@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import Basis, ElementTriP2, MeshTri1, MeshTri2
+from skfem import Basis, ElementTriP2, MeshTri2
 
 from .arrays import Array, Integers
 from .checks import one_of, positive
 from .curve import Curve, chain
+from .triangles import check_elements, quadratic_mesh, straight_mesh
 
 Booleans = NDArray[np.bool_]
 
@@ -73,7 +74,7 @@ class Body:
     def __post_init__(self) -> None:
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
         one_of("base", self.base, BASES)
-        object.__setattr__(self, "mesh", _quadratic(self.mesh))
+        object.__setattr__(self, "mesh", quadratic_mesh(self.mesh))
         needed = ("pial",) if self.base == "free" else ("pial", "base")
         known = self.mesh.boundaries or {}
         for name in needed:
@@ -82,7 +83,7 @@ class Body:
                     f"mesh has no boundary named {name!r} (it names: {', '.join(known) or 'none'}); "
                     "add it with mesh.with_boundaries({...})."
                 )
-        _check_elements(self.mesh)
+        check_elements(self.mesh)
         if not self.in_cortex.any():
             raise ValueError(
                 f"thickness={self.thickness:g} m is less than the depth of the outermost elements: no gray "
@@ -303,49 +304,9 @@ def _reversed(nodes: Integers, closed: bool) -> Integers:
     return np.roll(nodes[::-1], 1) if closed else nodes[::-1].copy()
 
 
-def _quadratic(mesh: MeshTri1) -> MeshTri2:
-    if not isinstance(mesh, MeshTri1):  # MeshTri2 is one too
-        raise ValueError(f"mesh must be a scikit-fem triangle mesh, not {type(mesh).__name__}.")
-    if not np.isfinite(mesh.doflocs).all():
-        raise ValueError(f"mesh has {np.sum(~np.isfinite(mesh.doflocs))} coordinates that are not finite.")
-    corners = mesh.p[:, mesh.t]
-    (ax, ay), (bx, by) = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area = 0.5 * (ax * by - ay * bx)
-    flat = np.abs(area) <= 1e-12 * np.ptp(mesh.p, axis=1).max() ** 2
-    if flat.any():
-        k = int(np.flatnonzero(flat)[0])
-        raise ValueError(
-            f"triangle {k} of the mesh is degenerate: its area is {area[k]:.3g} m²; remove or repair it."
-        )
-    quadratic = mesh if isinstance(mesh, MeshTri2) else MeshTri2.from_mesh(mesh)
-    names = {"_boundaries": mesh.boundaries, "_subdomains": mesh.subdomains}
-    turned = quadratic.t.copy()
-    turned[1:, area < 0] = turned[:0:-1, area < 0]
-    return MeshTri2(quadratic.doflocs, turned, validate=False, **names)
-
-
-def _check_elements(mesh: MeshTri2) -> None:
-    corners_and_middles = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
-    jacobian = mesh.mapping().detDF(corners_and_middles)
-    if (jacobian <= 0).any():
-        k, _ = np.argwhere(jacobian <= 0)[0]
-        centre = mesh.p[:, mesh.t[:, k]].mean(1)
-        raise ValueError(
-            f"triangle {k} of the mesh at ({centre[0]:.4g}, {centre[1]:.4g}) m folds over itself (Jacobian "
-            f"{jacobian[k].min():.3g}); move its edge middles, or use smaller elements along the curved side."
-        )
-
-
 def by_node(vectors: Array) -> Array:
     """Return nodal vectors (2, n_nodes) as one, (2 n_nodes,), in the order 2·node + component."""
     return vectors.T.ravel()
-
-
-def straight_mesh(points: Array, triangles: Integers) -> MeshTri1:
-    """Return straight triangles without letting scikit-fem reorder their corners."""
-    return MeshTri1(
-        np.ascontiguousarray(points), np.ascontiguousarray(triangles), sort_t=False, validate=False
-    )
 
 
 def _submesh(body: Body, elements: Integers) -> Band:

@@ -11,8 +11,9 @@ from scipy.interpolate import CubicSpline
 from skfem import MeshTri2
 
 from .arrays import Array, Integers
-from .body import BASES, Body, straight_mesh
+from .body import BASES, Body
 from .checks import one_of, positive
+from .triangles import straight_mesh
 
 MOST = 2e6  # triangles in the cortex
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
