@@ -1,4 +1,4 @@
-"""Ferret, local malformations: growth or thickness changed in one zone of the surface. About 60 s with -j 2.
+"""Ferret, local malformations: growth or thickness changed in one zone of the surface. About 60 s.
 
     turingfold run cases/ferret_local.py      draws figures/ferret_local.png
 

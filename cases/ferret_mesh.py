@@ -1,4 +1,4 @@
-"""Ferret, mesh independence: 1 : 4 : 8 : 12 times as many triangles in the cortex. 60 s with -j 2.
+"""Ferret, mesh independence: 1 : 4 : 8 : 12 times as many triangles in the cortex. About 60 s.
 
     turingfold run cases/ferret_mesh.py      draws figures/ferret_mesh.png
 
