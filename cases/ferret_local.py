@@ -1,6 +1,6 @@
-"""Ferret, local malformations: growth or thickness changed in one zone of the surface. About 60 s.
+"""Ferret, local malformations: growth or thickness changed in one zone of the surface. About 100 s.
 
-    turingfold run cases/ferret_local.py      draws figures/ferret_local.png
+    turingfold run cases/ferret_local.py -j 2      draws figures/ferret_local.png
 
 The brain of ferret_malformations.py, with an elliptic zone around the apex in which the growth rate g and the
 thickness T of the cortex are multiplied as the titles say. As the rate acts over the whole time, 2 g is the
