@@ -10,6 +10,7 @@ from skfem import MeshTri
 from turing_problems import initial_a, probes, problem_a, semi_annulus, trajectory_a
 
 from turingfold.scene import InadmissibleStateError, NotConvergedError
+from turingfold.turing import reaction_diffusion
 from turingfold.turing.bdf import march_bdf
 from turingfold.turing.concentrations import Schnakenberg
 from turingfold.turing.imex import SBDF2, SCHEMES, fastest_reaction, march_imex
@@ -287,6 +288,60 @@ def test_banded_and_sparse_solves_agree():
         assert np.allclose(pattern.matrix(values) @ one, right[0], atol=1e-11)
     assert not pattern.narrow
     assert problem_a(semi_annulus(40, 2), 2).space.pattern.narrow
+
+
+def two_levels(system, state, shift, tolerance, monkeypatch):
+    monkeypatch.setattr(reaction_diffusion, "LARGE", 0)
+    return system.quick_solver(state, shift, tolerance)
+
+
+def test_two_levels_solve_to_the_tolerance_in_as_many_cycles_on_finer_meshes(monkeypatch):
+    cycles = []
+    for along, across in ((300, 6), (600, 12)):
+        system = problem_a(semi_annulus(along, across), 1)
+        state = initial_a(system, 0.4)
+        right = system.rate(state)
+        solve = two_levels(system, state, 0.4, 1e-6, monkeypatch)
+        left = right - (system.matrix(state, 0.4) @ solve(right).T.ravel()).reshape(-1, 2).T
+        assert np.linalg.norm(left) < 1.01e-6 * np.linalg.norm(right)
+        assert solve.factors is None
+        cycles.append(solve.count)
+        # a second right side near the first needs few new directions
+        solve(right * (1 + 1e-4 * np.cos(system.space.nodes[0])))
+        assert solve.count < 1.5 * cycles[-1]
+    assert max(cycles) < 20
+    assert abs(cycles[1] - cycles[0]) <= 3
+
+
+def test_two_levels_that_do_not_converge_give_way_to_a_factorisation(monkeypatch):
+    system = problem_a(semi_annulus(60, 2), 1)
+    state = initial_a(system, 0.4)
+    solve = two_levels(system, state, 0.4, 1e-16, monkeypatch)  # below what round-off allows
+    right = system.rate(state)
+    assert np.allclose(solve(right), system.solver(state, 0.4)(right), rtol=1e-12, atol=0.0)
+    assert solve.factors is not None
+
+
+def test_a_run_on_two_levels_is_that_of_the_factorisation(monkeypatch):
+    system = problem_a(semi_annulus(96, 2), 1)
+    start = initial_a(system, 0.2)
+    ends = [final(march(system, start, until=END, tolerance=1e-4)).state]
+    monkeypatch.setattr(reaction_diffusion, "LARGE", 0)
+    ends.append(final(march(system, start, until=END, tolerance=1e-4)).state)
+    assert 0 < np.abs(ends[1] - ends[0]).max() < 1e-5
+
+
+@pytest.mark.slow
+def test_time_grows_no_faster_than_n_to_the_1_2_from_20_000_to_200_000_nodes():
+    times, sizes = [], []
+    for along, across in ((988, 20), (3107, 63)):
+        system = problem_a(semi_annulus(along, across), 1)
+        before = process_time()
+        final(march(system, initial_a(system), until=20.0, tolerance=1e-3))
+        times.append(process_time() - before)
+        sizes.append(system.space.size)
+    assert sizes[0] > 20_000
+    assert times[1] / times[0] < (sizes[1] / sizes[0]) ** 1.2
 
 
 def test_a_singular_matrix_is_an_error():
