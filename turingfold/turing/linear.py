@@ -3,10 +3,10 @@
 The nodes of a thin band, taken in order along it, make matrices of small bandwidth, which LAPACK factorises
 several times faster than a general sparse code. Seconds to factorise the coupled matrix of both species on
 one core, banded and SuperLU: 5 409 linear nodes, half bandwidth 19: 0.005, 0.027; 7 943 quadratic nodes,
-61: 0.031, 0.055; 20 417 linear nodes, 35: 0.043, 0.171. For one species multigrid does not win on a band: with
-100 856 nodes (seconds to set up and to solve) pyamg's smoothed aggregation takes 0.49 and 0.76, the banded
-Cholesky factorisation 0.21 and 0.03, SuperLU 1.16 and 0.04. For both species, 198 848 nodes: SuperLU 4.1 and
-0.19, banded 5.8 and 0.22, SuperLU with the nodes in nested dissection 3.9 and 0.17; two levels win there.
+61: 0.031, 0.055; 20 417 linear nodes, 35: 0.043, 0.171. For one species multigrid does not win on a band:
+with 100 856 nodes (seconds to set up and to solve) pyamg's smoothed aggregation takes 0.49 and 0.76, the
+banded Cholesky factorisation 0.21 and 0.03, SuperLU 1.16 and 0.04. For both species, 198 848 nodes: SuperLU
+4.1 and 0.19, banded 5.8 and 0.22, SuperLU with the nodes in nested dissection 3.9 and 0.17; two levels win.
 """
 
 from __future__ import annotations
