@@ -4,20 +4,16 @@ from time import process_time
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp, solve_ivp
+from scipy.integrate import solve_ivp
 from scipy.sparse import diags_array
-from skfem import MeshTri
 from turing_problems import initial_a, probes, problem_a, semi_annulus, trajectory_a
 
 from turingfold.scene import InadmissibleStateError, NotConvergedError
-from turingfold.turing import reaction_diffusion
 from turingfold.turing.bdf import march_bdf
-from turingfold.turing.concentrations import Schnakenberg
 from turingfold.turing.imex import SBDF2, SCHEMES, fastest_reaction, march_imex
 from turingfold.turing.linear import Pattern
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
 from turingfold.turing.rosenbrock import RODAS4, ROS34PW2, ErrorNorm, march, rosenbrock_step
-from turingfold.turing.steady import settle
 from turingfold.turing.user import UserKinetics
 
 END = 4.0
@@ -138,53 +134,6 @@ def test_pure_diffusion_conserves_to_round_off():
     assert np.allclose(space.mean(end), space.mean(start), rtol=1e-13)
 
 
-def robertson_of_two():
-    """Return A and C of Robertson's three reactions 0.04, 1e4, 3e7, with B at its quasi-steady value."""
-
-    def b_of(a, c):  # 3e7 b² + 1e4 c b − 0.04 a = 0, in the form without cancellation
-        return 2 * 0.04 * a / (1e4 * c + np.sqrt((1e4 * c) ** 2 + 4 * 3e7 * 0.04 * a))
-
-    return UserKinetics(
-        p=lambda a, c: -0.04 * a + 1e4 * b_of(a, c) * c,
-        q=lambda a, c: 3e7 * b_of(a, c) ** 2,
-        guesses=((0.8, 0.2),),
-    )
-
-
-def robertson_conserved():
-    """Return A and B of Robertson's reactions, none left out: C = 1 − A − B, with one diffusivity for all."""
-    return UserKinetics(
-        p=lambda a, b: -0.04 * a + 1e4 * b * (1 - a - b),
-        q=lambda a, b: 0.04 * a - 1e4 * b * (1 - a - b) - 3e7 * b * b,
-        slopes=lambda a, b: (
-            -0.04 - 1e4 * b, 1e4 * (1 - a - 2 * b), 0.04 + 1e4 * b, -1e4 * (1 - a - 2 * b) - 6e7 * b,
-        ),
-        guesses=((0.8, 1e-5),),
-    )  # fmt: skip
-
-
-# A, B and C at t = 40: Hairer, Wanner (1996), chapter IV.1
-ROBERTSON_40 = 0.7158270688, 9.185534765e-6, 0.2841637457
-
-
-@pytest.mark.parametrize("method", [march, march_bdf])
-def test_robertson_with_its_quasi_steady_species_eliminated(method):
-    space = discretise(semi_annulus(12, 1), 1)
-    system = ReactionDiffusion(space, robertson_of_two(), 1e-3, 1.0)
-    end = final(method(system, system.uniform(1.0, 0.0), until=40.0, tolerance=1e-7)).state
-    # the quasi-steady B changes A by its own size, 9e-6
-    assert np.allclose(end.T, ROBERTSON_40[::2], atol=2e-5)
-
-
-@pytest.mark.parametrize("method", [march, march_bdf])
-def test_robertson_with_its_conserved_sum_eliminated(method):
-    space = discretise(semi_annulus(12, 1), 1)
-    system = ReactionDiffusion(space, robertson_conserved(), 1.0, 1.0)
-    moment = final(method(system, system.uniform(1.0, 0.0), until=40.0, tolerance=1e-6))
-    assert np.allclose(moment.state.T, ROBERTSON_40[:2], rtol=1e-5, atol=0.0)
-    assert moment.steps < 400  # at the fastest rate, 3e3, an explicit method needs 6e4
-
-
 def test_scaled_kinetics_only_scale_time(problem):
     system, start, exact = problem
     k = 1e6
@@ -197,50 +146,6 @@ def test_scaled_kinetics_only_scale_time(problem):
     scaled = ReactionDiffusion(system.space, fast, k * system.d_u, k * system.d_v)
     end = final(march(scaled, start, until=END / k, tolerance=1e-6)).state
     assert np.allclose(end, exact, atol=1e-5)
-
-
-@pytest.fixture(scope="module")
-def spike():
-    """Return u and v of a steady half spike on 0 < x < 1/2, for diffusivities 1e-4 and 1."""
-    kinetics = Schnakenberg()
-
-    def slope(x, y):
-        p, q = kinetics.rates(y[0], y[2])
-        return np.stack([y[1], -1e4 * p, y[3], -q])
-
-    # guess: 1e-4 u'' = u − u² v₀ at the spike, v'' = −b away from it, ∫ u² v₀ = b / 2: v₀ = 1/15
-    x = np.linspace(0, 0.5, 401)
-    u, v = 0.1 + 22.5 / np.cosh(x / 0.02) ** 2, 1 / 15 + 0.45 * (x - x * x)
-    guess = np.stack([u, np.gradient(u, x), v, np.gradient(v, x)])
-    found = solve_bvp(slope, lambda a, b: np.array([a[1], b[1], a[3], b[3]]), x, guess, tol=1e-6)
-    assert found.success
-    return lambda x: found.sol(x)[[0, 2]]
-
-
-@pytest.mark.parametrize("scale", [1.0, 1e6])
-def test_diffusion_ratio_1e4_and_kinetics_scaled_by_1e6_are_solved_where_resolved(scale, spike):
-    # kinetics 1e6 times as fast make the same pattern on a strip a thousandth as long
-    known = Schnakenberg()
-    kinetics = UserKinetics(
-        p=lambda u, v: scale * known.rates(u, v)[0],
-        q=lambda u, v: scale * known.rates(u, v)[1],
-        slopes=lambda u, v: tuple(scale * slope for slope in known.derivatives(u, v)),
-        guesses=((1.0, 0.9),),
-    )
-    errors, length = [], 0.5 * scale**-0.5
-    for along in (100, 200):  # 2 and 4 quadratic elements to the activator's own length, 0.01
-        mesh = MeshTri.init_tensor(np.linspace(0, length, along + 1), np.array([0, length / along]))
-        system = ReactionDiffusion(discretise(mesh, 2), kinetics, 1e-4, 1.0)
-        x = system.space.nodes[0] / (2 * length)
-        start = system.uniform(1.0, 0.9)
-        start[0] += 0.1 * np.cos(2 * np.pi * x)
-        found = settle(system, start)
-        assert found.stable
-        assert system.space.mean(found.state)[0] == pytest.approx(1.0, abs=1e-11)
-        exact = spike(x)
-        errors.append((np.abs(found.state - exact).max(axis=1) / exact.max(axis=1)).max())
-    assert errors[1] < 1e-4
-    assert np.log2(errors[0] / errors[1]) > 2.5
 
 
 def test_imex_refuses_a_reaction_that_becomes_too_fast_with_time_and_step():
@@ -288,60 +193,6 @@ def test_banded_and_sparse_solves_agree():
         assert np.allclose(pattern.matrix(values) @ one, right[0], atol=1e-11)
     assert not pattern.narrow
     assert problem_a(semi_annulus(40, 2), 2).space.pattern.narrow
-
-
-def two_levels(system, state, shift, tolerance, monkeypatch):
-    monkeypatch.setattr(reaction_diffusion, "LARGE", 0)
-    return system.quick_solver(state, shift, tolerance)
-
-
-def test_two_levels_solve_to_the_tolerance_in_as_many_cycles_on_finer_meshes(monkeypatch):
-    cycles = []
-    for along, across in ((300, 6), (600, 12)):
-        system = problem_a(semi_annulus(along, across), 1)
-        state = initial_a(system, 0.4)
-        right = system.rate(state)
-        solve = two_levels(system, state, 0.4, 1e-6, monkeypatch)
-        left = right - (system.matrix(state, 0.4) @ solve(right).T.ravel()).reshape(-1, 2).T
-        assert np.linalg.norm(left) < 1.01e-6 * np.linalg.norm(right)
-        assert solve.factors is None
-        cycles.append(solve.count)
-        # a second right side near the first needs few new directions
-        solve(right * (1 + 1e-4 * np.cos(system.space.nodes[0])))
-        assert solve.count < 1.5 * cycles[-1]
-    assert max(cycles) < 20
-    assert abs(cycles[1] - cycles[0]) <= 3
-
-
-def test_two_levels_that_do_not_converge_give_way_to_a_factorisation(monkeypatch):
-    system = problem_a(semi_annulus(60, 2), 1)
-    state = initial_a(system, 0.4)
-    solve = two_levels(system, state, 0.4, 1e-16, monkeypatch)  # below what round-off allows
-    right = system.rate(state)
-    assert np.allclose(solve(right), system.solver(state, 0.4)(right), rtol=1e-12, atol=0.0)
-    assert solve.factors is not None
-
-
-def test_a_run_on_two_levels_is_that_of_the_factorisation(monkeypatch):
-    system = problem_a(semi_annulus(96, 2), 1)
-    start = initial_a(system, 0.2)
-    ends = [final(march(system, start, until=END, tolerance=1e-4)).state]
-    monkeypatch.setattr(reaction_diffusion, "LARGE", 0)
-    ends.append(final(march(system, start, until=END, tolerance=1e-4)).state)
-    assert 0 < np.abs(ends[1] - ends[0]).max() < 1e-5
-
-
-@pytest.mark.slow
-def test_time_grows_no_faster_than_n_to_the_1_2_from_20_000_to_200_000_nodes():
-    times, sizes = [], []
-    for along, across in ((988, 20), (3107, 63)):
-        system = problem_a(semi_annulus(along, across), 1)
-        before = process_time()
-        final(march(system, initial_a(system), until=20.0, tolerance=1e-3))
-        times.append(process_time() - before)
-        sizes.append(system.space.size)
-    assert sizes[0] > 20_000
-    assert times[1] / times[0] < (sizes[1] / sizes[0]) ** 1.2
 
 
 def test_a_singular_matrix_is_an_error():
