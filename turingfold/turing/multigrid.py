@@ -5,7 +5,7 @@ well as the mesh; Gauss-Seidel sweeps take care of the short ones, which diffusi
 aggregation: Vaněk, Mandel, Brezina (1996) Computing 56:179.
 
 Processor seconds of seven RODAS4 steps on band problem A to t = 20, tolerance 1e-3, linear elements, two
-levels against factorisations: 20 727 nodes 1.4, 1.2; 62 172 nodes 4.2, 5.6; 198 848 nodes 15.6, 32.3.
+levels against factorisations: 20 727 nodes 1.35, 1.30; 62 172 nodes 4.2, 5.6; 198 848 nodes 15.6, 32.3.
 """
 
 from __future__ import annotations
