@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from small import elastic_scene
 
@@ -386,3 +387,14 @@ def test_threads_are_set_before_numpy_is_imported(tmp_path):
     assert done.stdout.splitlines()[-1] == "2"
     with pytest.raises(SystemExit, match="2"):
         main(["run", "x.py", "--threads", "0"])
+
+
+def test_compare_reads_outlines(tmp_path, capsys):
+    angle = np.linspace(0.0, 2 * np.pi, 200, endpoint=False)
+    for name, lobes in (("plain", 0.0), ("lobed", 0.2)):
+        r = 1.0 + lobes * np.cos(6 * angle)
+        table = np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1)
+        np.savetxt(tmp_path / f"{name}.csv", table, delimiter=",", header="x,y", comments="")
+    assert main(["compare", str(tmp_path / "plain.csv"), str(tmp_path / "lobed.csv")]) == 0
+    (folds,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("folds")]
+    assert folds.split()[1:3] == ["0", "6"]

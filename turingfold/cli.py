@@ -1,4 +1,4 @@
-"""The command line: turingfold run, list, draw, stability, compare.
+"""The command line: turingfold run, list, draw, stability, buckling, compare.
 
 Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
 Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
@@ -92,9 +92,9 @@ def parser() -> argparse.ArgumentParser:
     buckling.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
     buckling.set_defaults(command=_buckling)
 
-    compare = commands.add_parser("compare", parents=[common], help="morphometry of two results side by side")
-    compare.add_argument("a", type=Path, metavar="A", help="folder of a result")
-    compare.add_argument("b", type=Path, metavar="B", help="folder of another one")
+    compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
+    compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
+    compare.add_argument("b", type=Path, metavar="B", help="another one")
     compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
     compare.set_defaults(command=_compare)
     return top

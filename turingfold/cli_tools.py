@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from .cli_figure import save_figure
 
 if TYPE_CHECKING:
+    from .arrays import Array
     from .turing.kinetics import Kinetics
 
 ELEMENTS = 4  # through the cortex
@@ -63,16 +64,26 @@ def _kinetics(name: str, parameters: Iterable[str]) -> Kinetics:
 
 
 def compare(a: Path, b: Path, figure: Path | None) -> str:
-    """Return the morphometry of two stored results as a table; draw one on the other on request."""
+    """Return the morphometry of two results or outlines as a table; draw one on the other on request."""
     from .morphometry.compare import compare as compared
     from .morphometry.compare import draw_comparison
-    from .results import load
 
     names = (a.name, b.name) if a.name != b.name else (str(a), str(b))
-    one, other = (load(path).pial() for path in (a, b))
+    one, other = _points(a), _points(b)
     table = compared(one, other, names=names).text()
     if figure is None:
         return table
     with save_figure(figure) as canvas:
         draw_comparison(one, other, canvas.add_subplot(), names=names)
     return f"{table}\nfigure: {figure}"
+
+
+def _points(path: Path) -> Array:
+    """Return the pial surface of a result's folder, or the outline in a CSV or SVG file."""
+    if path.is_file():
+        from .outlines.read import read_outline
+
+        return read_outline(path)
+    from .results import load
+
+    return load(path).pial()
