@@ -232,6 +232,7 @@ def scipy_bdf(system, start, until, tolerance):
 
 
 @pytest.mark.slow
+@pytest.mark.timing
 def test_the_default_integrator_beats_scipy_on_5409_nodes():
     system = problem_a(semi_annulus(600, 8), 1, lumped=True)
     assert system.space.size == 5409

@@ -60,6 +60,7 @@ def test_a_run_on_two_levels_is_that_of_the_factorisation(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.timing
 def test_time_grows_no_faster_than_n_to_the_1_2_from_20_000_to_200_000_nodes():
     times, sizes = [], []
     for along, across in ((988, 20), (3107, 63)):
