@@ -51,7 +51,7 @@ def test_scenes_start_and_can_be_stored(path):
     assert simulate(first).summary()["converged"] is True, name
 
 
-def run(path, out):
+def check_run(path, out):
     """Run and draw a quick case and return the summaries of its scenes."""
     case = load_case(path)
     assert main(["run", str(path), "--quick", "--out", str(out)]) == 0
@@ -68,7 +68,7 @@ def run(path, out):
 
 def test_figure_3_has_a_gyrus_on_each_peak(tmp_path):
     (path,) = [path for path in CASES if path.stem == FIRST]
-    (summary,) = run(path, tmp_path).values()
+    (summary,) = check_run(path, tmp_path).values()
     # 24 half waves have troughs at 12 places: a sulcus in each
     assert summary["folds"] == 12
     assert summary["registration"] > 0.8
@@ -79,13 +79,13 @@ def test_figure_3_has_a_gyrus_on_each_peak(tmp_path):
 @pytest.mark.parametrize("path", [path for path in CASES if path.stem != FIRST], ids=lambda path: path.stem)
 def test_a_quick_case_runs_and_draws(path, tmp_path):
     data_or_skip(path)
-    run(path, tmp_path)
+    check_run(path, tmp_path)
 
 
 @pytest.mark.slow
 def test_where_the_tension_acts_decides_what_stands_on_the_peaks(tmp_path):
     path = next(path for path in CASES if path.stem == "tension_placement")
-    summaries = run(path, tmp_path)
+    summaries = check_run(path, tmp_path)
     assert summaries["pial, towards peaks, 24 half waves"]["registration"] < -0.5
     assert summaries["pial, between peaks, 24 half waves"]["registration"] > 0.5
     assert summaries["interface, 24 half waves"]["registration"] > 0.8

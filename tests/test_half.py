@@ -25,7 +25,7 @@ def both(body, terms, processes, **options):
     return [simulate(Scene(body=b, terms=terms, processes=processes, **options)) for b in (body, half(body))]
 
 
-def compare(whole, right, rel):
+def check_alike(whole, right, rel):
     assert 2 * right.history[-1]["energy"] == pytest.approx(whole.history[-1]["energy"], rel=rel)
     size = whole.scene.body.length
     assert right.pial() == pytest.approx(whole.pial(), abs=rel * size)
@@ -41,7 +41,7 @@ def test_figure_3_folds_alike():
         (AxonalTension(strength=0.5), SelfContact()),
         (Turing(Schnakenberg(), half_waves=24, symmetric=True), TangentialGrowth(cortex=1.9)),
     )
-    compare(whole, right, 1e-6)
+    check_alike(whole, right, 1e-6)
     numbers, expected = right.summary(), whole.summary()
     assert numbers["mirror_error"] == 0.0
     assert numbers["folds"] == expected["folds"]
@@ -69,7 +69,7 @@ def test_ellipse_with_imperfection_and_inertia():
         (TangentialGrowth(cortex=1.5), Imperfection(amplitude=0.05, symmetric=True)),
         stepping=Stepping(first=0.05, tolerance=1e-10),
     )
-    compare(whole, right, 1e-8)
+    check_alike(whole, right, 1e-8)
 
 
 def test_only_symmetric_meshes_can_be_halved():
