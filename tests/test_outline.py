@@ -6,7 +6,8 @@ import pytest
 from turingfold.outlines import Fine, outline, read_outline
 from turingfold.outlines.fill import angles
 from turingfold.outlines.line import line
-from turingfold.outlines.repair import closed_outline, inside
+from turingfold.outlines.repair import closed_outline
+from turingfold.polygon import inside
 
 
 def circle(count=240, radius=1.0):
@@ -161,6 +162,24 @@ def test_a_thickness_beyond_the_radius_of_curvature_is_refused_with_its_place():
     with pytest.raises(ValueError, match=r"near \(-?1, .*radius of curvature is 0\.16"):
         outline(ellipse, thickness=0.2, size=0.05)
     assert outline(ellipse, thickness=0.15, size=0.05).thickness == 0.15
+
+
+@pytest.mark.parametrize("base", ["free", "roller"])
+def test_a_cortex_that_leaves_hardly_any_inside_is_refused(base):
+    points, ends = circle(), None  # the deepest point is the centre, at depth 1
+    if base == "roller":
+        points, ends = half_circle(), ((-1, 0), (1, 0))
+        points[0, -1] = 0.5  # the only point within the base is not the deepest
+    options = {"size": 0.1, "base": base, "base_ends": ends}
+    assert outline(points, thickness=0.66, **options).thickness == 0.66
+    with pytest.raises(ValueError, match=r"thickness=0\.67 m must be at most 0\.6667 m.*\(1 m, at \("):
+        outline(points, thickness=0.67, **options)
+
+
+def test_a_cortex_two_thirds_as_thick_as_an_ellipse_is_deep_is_refused_when_trimming():
+    ellipse = circle() * np.array([[1.0], [0.4]])  # the largest circle inside has the radius 0.4
+    with pytest.raises(ValueError, match=r"at most 0\.2667 m.*\(0\.4 m, at"):
+        outline(ellipse, thickness=0.27, size=0.05, tight="trim")
 
 
 def test_a_neck_thinner_than_two_cortices_is_refused():

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Basis, ElementTriP2, MeshTri2
 
-from .arrays import Array, Integers
+from .arrays import Array, Booleans, Integers
 from .checks import one_of, positive
 from .curve import Curve, chain
 from .triangles import check_elements, quadratic_mesh, straight_mesh
-
-Booleans = NDArray[np.bool_]
 
 BASES = ("clamped", "roller", "free")
 

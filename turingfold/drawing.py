@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .arrays import Array, Integers, add_up
-from .body import Body, Booleans
+from .arrays import Array, Booleans, Integers, add_up
+from .body import Body
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,21 +7,18 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from skfem import MeshTri1, MeshTri2
 
+from ..arrays import Array, Integers
 from ..body import BASES, Body
 from ..checks import between, finite_array, one_of, positive
 from .fill import Frame, Size, fill
 from .line import Line, line
-from .offset import interface, onto_base
+from .offset import interface, onto_base, refuse_thick
 from .repair import closed_outline, refuse_crossings, thinned
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 TIGHT = ("refuse", "trim")
 BEND = 0.8  # rad, by which an edge of the pial surface turns at most
@@ -69,8 +66,8 @@ def outline(
 
     points: (2, n) or (n, 2) in m, in order. Clockwise curves are turned round, repeated points merged, and
     points closer than a tenth of `size` to the one before left out; see `closed_outline` for what is refused.
-    thickness of the cortex and size (element edge in the cortex) in m; below the cortex elements grow by
-    `grading` m per m of depth.
+    thickness of the cortex, at most two thirds of the largest depth below the pial surface, and size (element
+    edge in the cortex) in m; below the cortex elements grow by `grading` m per m of depth.
     base: "free" (the whole curve may be pial), "clamped" or "roller"; the last two need
     base_ends: two points ((x, y), (x, y)) in m; the base runs counter-clockwise along the outline from the
     point of the curve nearest the first to the one nearest the second. The rest is pial.
@@ -90,6 +87,7 @@ def outline(
         around = np.concatenate([around, ground[:, 1:-1]], axis=1)
     refuse_crossings(around, "the outline after smoothing")
     white = interface(pial, thickness, around, size if tight == "trim" else 0.0)
+    refuse_thick(pial, thickness, around, ground)
     if ground is not None:
         white = onto_base(white, ground)
 

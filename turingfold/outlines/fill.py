@@ -11,13 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
-from .repair import inside
+from ..arrays import Array, Integers
+from ..polygon import inside
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 
 ROUNDS = 60

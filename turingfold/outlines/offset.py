@@ -5,18 +5,17 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import Voronoi, cKDTree
 
+from ..arrays import Array, Booleans
+from ..polygon import inside, intersections
 from .line import Line
-from .repair import inside, intersections
-
-Array = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 FINE = 24  # samples per thickness
 SLACK = 4e-3  # share of the thickness by which a sample may be too close before it counts as swallowed
 POCKET = 0.15  # share of the interface around a pocket of white matter that may be cut off
+DEEPEST = 2 / 3  # largest thickness, as a share of the radius of the largest circle inside the pial surface
+ROUND = 600  # samples of the pial surface from which that circle is found
 REACH = 6.0  # an end of the interface is continued over this many samples to meet the base
 
 
@@ -52,6 +51,31 @@ def interface(pial: Line, thickness: float, loop: Array, rounding: float = 0.0) 
     shallow = on + thickness * normal
     parts = _rounded(deep, shallow, kept, pial.closed, reach, rounding)
     return np.concatenate([*parts, parts[0][:, :1]] if pial.closed else parts, axis=1)
+
+
+def refuse_thick(pial: Line, thickness: float, loop: Array, ground: Array | None) -> None:
+    """Raise ValueError for a cortex thicker than 2/3 of the largest depth below the pial surface.
+
+    That depth is the radius of the largest circle that no pial point lies in, its centre inside the outline
+    or on the base (`ground`); less than 1 % of its centre is then cortex by θ(y) = 1/(1 + exp(10 (y/T - 1))).
+    """
+    around = pial.at(pial.spaced(pial.length / ROUND))
+    centres = Voronoi(around.T).vertices.T
+    centres = centres[:, inside(centres, loop[:, :: max(1, loop.shape[1] // ROUND)])]
+    if ground is not None:
+        steps = np.hypot(*np.diff(ground, axis=1))
+        along = np.linspace(0.0, 1.0, ROUND) * steps.sum()
+        arc = np.concatenate([[0.0], np.cumsum(steps)])
+        centres = np.concatenate([centres, [np.interp(along, arc, x) for x in ground]], axis=1)
+    depths = np.asarray(cKDTree(around.T).query(centres.T)[0])
+    k = int(np.argmax(depths))
+    depth, (x, y) = float(depths[k]), centres[:, k]
+    if thickness > DEEPEST * depth:
+        raise ValueError(
+            f"thickness={thickness:g} m must be at most {DEEPEST * depth:.4g} m, two thirds of the largest "
+            f"depth below the pial surface ({depth:.4g} m, at ({x:.4g}, {y:.4g}) m), or it leaves hardly any "
+            "white matter; use a thinner cortex."
+        )
 
 
 def onto_base(white: Array, base: Array) -> Array:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..arrays import Array
 from ..body import Body
 from ..checks import positive
 from ..curve import Curve
+from ..polygon import inside
 from ..scene import State
 from .build import outline
-from .repair import inside
-
-Array = NDArray[np.float64]
 
 SAMPLES = 10.0  # points on the curve per inset
 CELLS = 3.0  # grid cells per inset
