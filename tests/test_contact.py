@@ -14,6 +14,7 @@ from turingfold.mechanics.contact import SelfContact
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
+from turingfold.outlines import outline
 from turingfold.scene import Scene, State, Stepping
 
 SLOT = 0.3
@@ -263,3 +264,47 @@ def test_skull_too_close():
         SelfContact(skull=body.nodes[:, body.pial] * 1.0001).on(body)
     with pytest.raises(ValueError, match="skull has shape"):
         SelfContact(skull=np.zeros((3, 5)))
+
+
+def arch(radius, low=0.02, high=np.pi - 0.02, centre=0.0):
+    angle = np.linspace(low, high, 200)
+    return np.stack([centre + radius * np.cos(angle), radius * np.sin(angle)])
+
+
+@pytest.mark.parametrize(
+    ("skull", "message"),
+    [
+        (arch(1.2)[:, 60:], r"skull does not go round .* the point \(0\.9\d+, 0\.[01]"),
+        (arch(0.5), r"the point \(0\.9\d+, 0\.0\d+\) m of the pial surface lies outside"),
+        (arch(1.2, centre=4.0), "lies outside"),
+        (arch(1.2, centre=0.5), r"skull crosses the body near \(-0\.\d+, 0\.\d+\)"),
+        (np.array([[1.2, 0.0, -1.2], [0.1, 0.99, 0.1]]), r"crosses the body near \(0\.96\d*, 0\.2[78]"),
+    ],
+    ids=["too short", "inside", "elsewhere", "shifted", "dented"],
+)
+@pytest.mark.parametrize("step", [1, -1], ids=["counter-clockwise", "clockwise"])
+def test_a_skull_that_does_not_enclose_the_body_is_refused(skull, message, step):
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    skull = skull[:, ::step]
+    if step < 0:
+        message = "skull (crosses|does not go round) the body"
+    with pytest.raises(ValueError, match=message):
+        SelfContact(skull=skull).on(body)
+
+
+def test_a_skull_around_half_a_body_ends_before_its_mirror():
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.1))
+    assert SelfContact(skull=arch(1.2, high=0.5 * np.pi - 0.02)).on(body).moving > 0
+    with pytest.raises(ValueError, match=r"the point \(0\.5\d+, 0\.8\d+\)"):
+        # from (0.97, 0.71) straight to (0, 1): what lies beyond x = 0.557, y = 0.831 is left out
+        SelfContact(skull=arch(1.2, high=0.2 * np.pi)).on(body)
+
+
+def test_a_skull_around_a_closed_surface_is_closed():
+    disc = outline(arch(1.0, 0.0, 2 * np.pi), thickness=0.2, size=0.1)
+    around = arch(1.2, 0.0, 2 * np.pi)
+    assert SelfContact(skull=around).on(disc).moving > 0
+    with pytest.raises(ValueError, match=r"skull ends at \(1\.\d+, -0\.\d+\) m, not where it begins"):
+        SelfContact(skull=around[:, :-1]).on(disc)
+    with pytest.raises(ValueError, match="does not go round"):
+        SelfContact(skull=around * 0.5).on(disc)

@@ -33,7 +33,9 @@ class SelfContact:
     gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or
     nodes would be in contact from the start.  stiffness: traction at half the distance dhat, in units of the
     scene's largest shear modulus.  skull: a fixed curve around the body that it cannot pass, points (2, n) in
-    m; its ends stay clear of the lines on which base and mirror continue.
+    m: closed around a closed pial surface; else its ends stay clear of the lines on which base and mirror
+    continue.
+    On a body, raises ValueError for a skull that crosses it or does not go round its whole pial surface.
     """
 
     gap: float = 0.4
@@ -67,14 +69,18 @@ class ContactOperator:
     def __init__(self, body: Body, term: SelfContact) -> None:
         self.unit = body.length
         self.nodes, edges, shortest = _boundary(body)
-        obstacles, obstacle_edges = _obstacles(
-            body, self.nodes, None if term.skull is None else np.asarray(term.skull, dtype=float)
-        )
+        skull = None
+        if term.skull is not None:
+            from .skull import check_skull
+
+            skull = np.asarray(term.skull, dtype=float)
+            check_skull(body, skull)
+        obstacles, obstacle_edges = _obstacles(body, self.nodes, skull)
         self.rest = np.asfortranarray(np.concatenate([body.nodes[:, self.nodes].T, obstacles]) / self.unit)
         self.moving = len(self.nodes)
         self.edges = np.concatenate([edges, obstacle_edges]).astype(np.int32)
         self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(self.edges))
-        if term.skull is not None:  # its points may be as dense as they like: they do not meet each other
+        if skull is not None:  # its points may be as dense as they like: they do not meet each other
             self.mesh.can_collide = ipctk.make_static_obstacle_filter(self.moving)
         self.dhat = term.gap * shortest / self.unit
         self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
