@@ -20,6 +20,7 @@ from .mechanics.active import ActiveStress as ActiveStress
 from .mechanics.buckling import Buckling as Buckling
 from .mechanics.buckling import buckling as buckling
 from .mechanics.contact import SelfContact as SelfContact
+from .mechanics.damping import StiffnessDamping as StiffnessDamping
 from .mechanics.dynamics import Drag as Drag
 from .mechanics.dynamics import Inertia as Inertia
 from .mechanics.elastic import Elastic as Elastic
