@@ -12,7 +12,7 @@ from skfem import MeshTri2
 
 from .arrays import Array, Integers
 from .body import BASES, Body
-from .checks import one_of, positive
+from .checks import instance, one_of, positive
 from .triangles import straight_mesh
 
 MOST = 2e6  # triangles in the cortex
@@ -77,8 +77,11 @@ def semiellipse(
 def half(body: Body) -> Body:
     """Return the half x >= 0 of a mirror-symmetric body; its boundary on x = 0 is named "mirror".
 
-    Raises ValueError if the mesh is not its own mirror image.
+    Raises ValueError if the mesh is not its own mirror image, or the body is half of one already.
     """
+    instance("body", body, Body, "semicircle(radius=0.04, thickness=0.0025, size=0.001)")
+    if body.mirror:
+        raise ValueError("body has a mirror: it is half of a body already; only a whole one can be halved.")
     mesh = body.mesh
     keep = np.flatnonzero(mesh.p[0][mesh.t].mean(0) > 0)
     tolerance = 1e-9 * body.length

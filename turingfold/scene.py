@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
@@ -173,12 +174,29 @@ class Term(Protocol):
         """Return the term discretised on `body`."""
 
 
+class Load:
+    """Base of terms of which different ones may act in one scene: tensions along two lines add up."""
+
+
+@runtime_checkable
+class Solid(Protocol):
+    """A term with moduli; they set the unit of stress."""
+
+    @property
+    def stress(self) -> float:
+        """The largest shear modulus; Pa."""
+
+    def moduli(self, body: Body) -> tuple[Array, Array]:
+        """Return shear and bulk modulus at the integration points, each (q, e); Pa."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Stepping:
     """How the march chooses its steps, in units of the scene's time.
 
-    first, largest, smallest: step sizes as fractions of `until`. A step that converges makes the next one
-    1.3 times longer, one that fails is halved and starts again from the untouched state.
+    first, largest, smallest: step sizes as fractions of `until`. After a step that took at most a quarter of
+    the allowed iterations the next is 1.3 times longer, after one that took more than half 1.3 times shorter;
+    one that fails is halved and starts again from the untouched state.
     tolerance: residual at which an equilibrium counts, relative to the forces that balance in it.
     iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
     """
@@ -208,7 +226,8 @@ class Scene:
     """A body, the potential terms acting on it, and the processes that change it; only what is listed exists.
 
     Raises MissingFieldError if a part reads a field that no earlier process writes, ValueError for a process
-    that would overwrite what an earlier one wrote, without reading it, and for the rest.
+    that would overwrite what an earlier one wrote, without reading it, for two terms of a kind that are no
+    different loads, and for the rest.
     """
 
     body: Body
@@ -227,6 +246,7 @@ class Scene:
         whole("seed", self.seed, at_least=0)
         if not self.terms:
             raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")
+        _distinct(self.terms)
         written = {"displacement", "stress_scale"}
         for part in self.processes:
             _written(part, part.reads, written)
@@ -237,8 +257,8 @@ class Scene:
 
 
 def stress_scale(terms: tuple[Term, ...]) -> float:
-    """Return the largest modulus that a term brings (its attribute `stress`), or 1 Pa; the unit of stress."""
-    return max((float(term.stress) for term in terms if hasattr(term, "stress")), default=1.0)
+    """Return the largest shear modulus of the solids among the terms, or 1 Pa: the unit of stress."""
+    return max((float(term.stress) for term in terms if isinstance(term, Solid)), default=1.0)
 
 
 def _parts(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
@@ -252,6 +272,17 @@ def _parts(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
                 "patterns and growth go into processes, everything with an energy into terms."
             )
     return listed
+
+
+def _distinct(terms: tuple[Term, ...]) -> None:
+    for one, other in combinations(terms, 2):
+        if not (isinstance(one, type(other)) or isinstance(other, type(one))):
+            continue
+        if not isinstance(other, Load) or one == other:
+            raise ValueError(
+                f"terms holds two {type(other).__name__}, {one!r} and {other!r}, and both would count; leave "
+                "one of the two out (a class of loads that may differ derives from turingfold.scene.Load)."
+            )
 
 
 def _written(part: object, reads: tuple[str, ...], written: set[str]) -> None:

@@ -10,7 +10,7 @@ from .arrays import Array, add_up
 from .body import Body
 from .checks import finite, one_of, whole
 from .curve import Curve
-from .scene import Hessian, SimplePotential, State
+from .scene import Hessian, Load, SimplePotential, State
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
@@ -21,7 +21,7 @@ SHAPES = np.stack([0.5 * GAUSS * (GAUSS - 1), 1 - GAUSS**2, 0.5 * GAUSS * (GAUSS
 
 
 @dataclass(frozen=True, kw_only=True)
-class AxonalTension:
+class AxonalTension(Load):
     """Tension of axons, ∝ the pattern û, along the gray-white interface or as tractions on the pial surface.
 
     surface "interface": a line tension γ (strength in N/m), in the weak form -∫ γ T·∂_s v ds: no net

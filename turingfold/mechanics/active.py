@@ -9,12 +9,12 @@ import numpy as np
 from ..arrays import Array, Integers, add_up
 from ..body import Body
 from ..checks import finite, finite_array
-from ..scene import Hessian, SimplePotential, State
+from ..scene import Hessian, Load, SimplePotential, State
 from .entries import lower, pairs, slope_products
 
 
 @dataclass(frozen=True, kw_only=True)
-class ActiveStress:
+class ActiveStress(Load):
     """Energy ∫ σ/2 (|F t|² - 1) dA of a layer under active tangential stress: P = σ (F t)⊗t.
 
     stress: σ in Pa; it pulls the layer together if positive.  depth: of the layer's two sides below the pial

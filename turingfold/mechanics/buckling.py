@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..body import Body, by_node
-from ..checks import finite, positive
+from ..checks import finite, instance, positive
 from ..scene import NotConvergedError, Scene, SolveError, State
 from .buckling_path import BasePath, BaseState
 from .factor import largest_growth
@@ -68,6 +68,7 @@ def buckling(scene: Scene) -> Buckling:
     Raises ValueError for terms that resist motion (inertia, drag): they would stiffen the tangent. Raises
     NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
     """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
     path = BasePath(scene)
     for term, operator in zip(scene.terms, path.operators, strict=True):
         if operator.grounds:

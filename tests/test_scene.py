@@ -1,0 +1,79 @@
+"""What a scene accepts beside each other, and its unit of stress."""
+
+from dataclasses import dataclass
+
+import pytest
+from checks import message_names
+from small import GRAY
+
+from turingfold import (
+    AxonalTension,
+    Drag,
+    Elastic,
+    Inertia,
+    NeoHookean,
+    Scene,
+    SelfContact,
+    buckling,
+    half,
+    semicircle,
+    simulate,
+)
+from turingfold.mechanics.active import ActiveStress
+from turingfold.scene import stress_scale
+
+SOLID = Elastic(gray=GRAY)
+
+
+@dataclass(frozen=True)
+class Gel(Elastic):
+    """Another elastic solid."""
+
+
+@pytest.fixture(scope="module")
+def body():
+    return semicircle(radius=1.0, thickness=0.25, size=0.5)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (SOLID, Elastic(gray=NeoHookean(mu=2.0, kappa=9.0))),
+        (SOLID, Gel(gray=GRAY)),
+        (Gel(gray=GRAY), SOLID),
+        (SelfContact(), SelfContact(gap=0.2)),
+        (Inertia(density=1.0), Inertia(density=2.0, scheme="midpoint")),
+        (Drag(coefficient=1.0), Drag(coefficient=2.0)),
+        (AxonalTension(strength=1.0, patches=4), AxonalTension(strength=1.0, patches=4)),
+        (ActiveStress(stress=1.0), ActiveStress(stress=1.0)),
+    ],
+    ids=lambda term: type(term).__name__,
+)
+def test_two_terms_of_a_kind_are_refused(body, one, other):
+    with pytest.raises(ValueError, match="terms holds two") as failure:
+        Scene(body=body, terms=(one, Drag(coefficient=9.0), other) if type(one) is not Drag else (one, other))
+    message_names(failure.value, type(other).__name__, "leave one of the two out")
+
+
+def test_different_loads_of_a_kind_act_side_by_side(body):
+    pulls = AxonalTension(strength=1.0, patches=4), AxonalTension(strength=1.0, patches=4, surface="pial")
+    layers = ActiveStress(stress=1.0), ActiveStress(stress=1.0, depth=(0.0, 1.0))
+    assert Scene(body=body, terms=(SOLID, *pulls, *layers)).terms == (SOLID, *pulls, *layers)
+
+
+def test_the_unit_of_stress_is_the_largest_shear_modulus_not_a_load():
+    white = NeoHookean(mu=3.0, kappa=5.0)
+    assert stress_scale((ActiveStress(stress=50.0), Elastic(gray=GRAY, white=white))) == 3.0
+    assert stress_scale((Drag(coefficient=2.0),)) == 1.0
+
+
+@pytest.mark.parametrize(("call", "name"), [(half, "body"), (buckling, "scene"), (simulate, "scene")])
+@pytest.mark.parametrize("given", [None, 3.0, Scene])
+def test_what_is_no_body_or_scene_is_refused_by_name(call, name, given):
+    with pytest.raises(ValueError, match=f"^{name}="):
+        call(given)
+
+
+def test_half_a_body_cannot_be_halved(body):
+    with pytest.raises(ValueError, match="body has a mirror: it is half of a body already"):
+        half(half(body))
