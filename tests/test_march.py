@@ -88,6 +88,17 @@ def test_steps_grow_by_1_3_up_to_the_largest_and_end_on_time(body):
     assert [step.numbers["time"] for step, _ in steps] == pytest.approx(np.cumsum(sizes), rel=1e-12)
 
 
+def test_a_laborious_step_is_followed_by_a_shorter_one(body):
+    grow = TangentialGrowth(cortex=1.3)
+    steps = run(scene(body, processes=(grow,), first=0.1, largest=0.1, iterations=5))
+    sizes = [step.numbers["step"] for step, _ in steps]
+    efforts = [step.numbers["newton_iterations"] for step, _ in steps]
+    assert {3, 2} & set(efforts)
+    for size, after, effort in zip(sizes[:-2], sizes[1:], efforts, strict=False):
+        factor = 1.3 if effort <= 1.25 else 1.0 if effort <= 2.5 else 1 / 1.3
+        assert after == pytest.approx(min(factor * size, 0.1), rel=1e-12)
+
+
 def test_sizes_are_shares_of_the_end(body):
     made = Scene(body=body, terms=(SOLID,), until=50.0, stepping=Stepping(first=0.1, largest=0.1))
     assert [step.numbers["step"] for step, _ in run(made)] == pytest.approx([5.0] * 10, rel=1e-9)

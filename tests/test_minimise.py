@@ -210,11 +210,12 @@ def test_the_memory_of_one_minimiser_goes_on_in_another():
     one = minimiser()
     one.minimise([two_wells()], np.array([0.1, 0.5]))
     memory = one.memory
-    assert memory.certified
     assert memory.level == 0
     other = Minimiser(2, np.zeros(0, dtype=np.int64), 1e-10, 60, memory)
-    other.certify([two_wells()], np.array([1.0, 0.0]))
-    assert other.memory.certified
+    assert other.memory.point is None
+    other.remember([two_wells()], memory.point)
+    assert np.array_equal(other.memory.point, memory.point)
+    assert memory.point == pytest.approx([1.0, 0.0], abs=1e-3)
 
 
 def test_a_grown_body_reaches_the_tolerance_and_is_certified():

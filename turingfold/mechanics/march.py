@@ -18,9 +18,14 @@ from ..scene import (
     Scene,
     SolveError,
     State,
+    Stepping,
     stress_scale,
 )
 from .minimise import Equilibrium, Memory, Minimiser
+from .prediction import REMEMBERED, Past, extrapolated
+
+LONGER = 1.3  # the next step after an easy one
+EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
 
 
 @dataclass(frozen=True)
@@ -49,15 +54,19 @@ class Step:
 class Progress:
     """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
 
-    previous, previous_dt: displacement before the last step, and its length, to predict the next start from.
+    past: earlier equilibria, the newest last, to predict the next one from.
     memory: what the minimiser carries from step to step.
     """
 
     state: State
     dt: float
-    previous: Array | None = None
-    previous_dt: float = 0.0
+    past: tuple[Past, ...] = ()
     memory: Memory | None = None
+
+    @property
+    def equilibria(self) -> tuple[Past, ...]:
+        """The latest equilibria and the present one."""
+        return (*self.past, Past(self.state.time, self.state["displacement"]))
 
 
 def begin(scene: Scene) -> Progress:
@@ -101,9 +110,9 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     minimiser = Minimiser(
         2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations, progress.memory
     )
-    if progress.memory is not None and progress.memory.certified:
-        start = progress.state
-        minimiser.certify(acting(operators, start, progress.previous_dt), by_node(start["displacement"]))
+    if progress.memory is not None and progress.memory.point is not None:
+        last = progress.state.time - progress.past[-1].time
+        minimiser.remember(acting(operators, progress.state, last), progress.memory.point)
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
         if perf_counter() - started > stepping.seconds:
@@ -120,9 +129,16 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
                 raise _stopped(progress.state, until, str(error), error) from error
             progress = replace(progress, dt=dt / 2)
             continue
-        onward = min(1.3 * dt, stepping.largest * until)
-        progress = Progress(step.state, onward, progress.state["displacement"], dt, minimiser.memory)
+        onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
+        progress = Progress(step.state, onward, progress.equilibria[-REMEMBERED:], minimiser.memory)
         yield step, progress
+
+
+def _onward(dt: float, iterations: float, stepping: Stepping, until: float) -> float:
+    """Return the length of the step after one that took so many iterations."""
+    share = iterations / stepping.iterations
+    factor = LONGER if share <= EASY else 1.0 if share <= HARD else 1 / LONGER
+    return max(min(factor * dt, stepping.largest * until), stepping.smallest * until)
 
 
 def _attempt(
@@ -139,8 +155,8 @@ def _attempt(
     effort.add("processes", began)
     state = state.updated(time, **fields)
     potentials = acting(operators, state, dt)
-    x = _predicted(potentials, progress, dt)
-    found = minimiser.minimise(potentials, x)
+    start = by_node(progress.state["displacement"])
+    found = minimiser.minimise(potentials, start, _predicted(potentials, progress, dt))
     state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
     end = by_node(state["displacement"])
     if not np.array_equal(end, found.x):
@@ -166,18 +182,13 @@ def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> Stat
     return state
 
 
-def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array:
-    """Return the displacement ahead along the last step as far as admissible, if that lowers the energy."""
+def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array | None:
+    """Return the displacement expected dt ahead, as far that way as admissible; None if there is no past."""
+    if not progress.past:
+        return None
     x = by_node(progress.state["displacement"])
-    if progress.previous is None:
-        return x
-    ahead = (x - by_node(progress.previous)) * (dt / progress.previous_dt)
-    guess = x + min(p.largest_step(x, ahead) for p in potentials) * ahead
-    return guess if _energy(potentials, guess) <= _energy(potentials, x) else x
-
-
-def _energy(potentials: tuple[Potential, ...], x: Array) -> float:
-    return sum(np.inf if e is None else e.energy for e in (p.evaluate(x) for p in potentials))
+    ahead = by_node(extrapolated(progress.equilibria, progress.state.time + dt)) - x
+    return np.asarray(x + min(p.largest_step(x, ahead) for p in potentials) * ahead)
 
 
 def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:

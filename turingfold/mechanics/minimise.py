@@ -17,6 +17,7 @@ from .rays import evaluations, has_inner, rays, reached
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 DOUBLINGS = 8  # of a step away from a saddle
+NEAR = 1e-3  # of the way between two equilibria: a tangent this close to the second speaks for it
 ARMIJO = 1e-4
 SHORTEST = 2.0**-30
 
@@ -56,17 +57,18 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Memory:
-    """What a restart needs for the same bits: matrix places, convexity, whether a tangent is at hand."""
+    """What a restart needs for the same bits: matrix places, convexity, where the kept tangent was made."""
 
     places: Integers
     level: int
-    certified: bool
+    point: Array | None
 
 
 @dataclass(frozen=True)
 class System:
-    """A factorised matrix."""
+    """A factorised tangent and the displacement where it was made."""
 
+    point: Array
     pattern: Pattern
     values: Array
     solver: Solver
@@ -95,28 +97,26 @@ class Minimiser:
     @property
     def memory(self) -> Memory:
         """What the next minimisation owes to the earlier ones."""
-        return Memory(self.gatherer.places, self._level, self._tangent is not None)
+        point = None if self._tangent is None else self._tangent.point
+        return Memory(self.gatherer.places, self._level, point)
 
     def forget(self) -> None:
         """Do not start the next minimisation with the tangent of the last one."""
         self._tangent = None
 
-    def certify(self, potentials: Sequence[Potential], x: Array) -> None:
-        """Factorise the tangent at an equilibrium found earlier, as its own minimisation did."""
-        at = evaluations(potentials, x)
-        if at is not None:
-            self._certified(at)
+    def remember(self, potentials: Sequence[Potential], point: Array) -> None:
+        """Factorise the tangent that an earlier minimisation kept."""
+        at = evaluations(potentials, point)
+        self._tangent = None if at is None else self._factorized(at, point, 0.0)
 
-    def minimise(self, potentials: Sequence[Potential], x: Array) -> Equilibrium:
-        """Return the equilibrium reached from x.
+    def minimise(self, potentials: Sequence[Potential], x: Array, guess: Array | None = None) -> Equilibrium:
+        """Return the equilibrium reached from x, or from the guess if its energy is lower.
 
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
-        at = evaluations(potentials, x)
-        if at is None:
-            raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
-        tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
-        before = float("inf")
+        x, at = _lowest(potentials, x, guess)
+        kept, self._tangent = self._tangent, None  # the one that certified the last equilibrium
+        tangent, before = kept, float("inf")
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             slope, residual = self._slope(at)
@@ -124,12 +124,13 @@ class Minimiser:
             if not np.isfinite(residual):
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance:
-                return Equilibrium(x, sum(e.energy for e in at), residual, self._certified(at))
+                negative = self._certified(at, x, kept, tangent)
+                return Equilibrium(x, sum(e.energy for e in at), residual, negative)
             if iteration == self.iterations:
                 break
             # a factorisation costs more than two steps: keep the last one while two at this rate will do
             if tangent is None or residual * (residual / before) ** 2 > self.tolerance:
-                tangent = self._factorized_convex(at)
+                tangent = self._factorized_convex(at, x)
             direction, before = self._solved(tangent, slope), residual
             x, at = self._search(potentials, x, at, slope, direction, residual)
             self.effort.iterations += 1
@@ -141,10 +142,10 @@ class Minimiser:
         scale = np.sqrt(sum(s for _, s in parts))
         return slope, float(np.linalg.norm(slope) / scale) if scale > 0 else float(np.linalg.norm(slope))
 
-    def _factorized_convex(self, at: list[Evaluation]) -> System:
+    def _factorized_convex(self, at: list[Evaluation], x: Array) -> System:
         """Return the factorised tangent, with as much convexity added as it needs."""
         for level in range(max(0, self._level - 1), len(CONVEXITY)):
-            system = self._factorized(at, CONVEXITY[level])
+            system = self._factorized(at, x, CONVEXITY[level])
             if system is not None:
                 self._level = level
                 return system
@@ -158,16 +159,22 @@ class Minimiser:
         self.effort.add("factorisations", begin)
         return direction
 
-    def _certified(self, at: list[Evaluation]) -> int:
-        """Keep the tangent if it is positive definite; return the number of its negative pivots."""
-        found = self._factorized(at, 0.0)
+    def _certified(self, at: list[Evaluation], x: Array, before: System | None, last: System | None) -> int:
+        """Keep the tangent if it is positive definite; return the number of its negative pivots.
+
+        The last true tangent speaks for x if it was made within NEAR of the way from the one kept before.
+        """
+        if last is not before and self._level == 0 and _nearer(x, last, before):
+            self._tangent = last
+            return 0
+        found = self._factorized(at, x, 0.0)
         # inner unknowns settle anew in the next step: their tangent is not the same to the last bit
         self._tangent = None if has_inner(at) else found
         if found is not None:
             return 0
         return negative_pivots(*self.gatherer.gather([e.hessian(0.0) for e in at if e.curved]))
 
-    def _factorized(self, at: list[Evaluation], convexity: float) -> System | None:
+    def _factorized(self, at: list[Evaluation], x: Array, convexity: float) -> System | None:
         """Return the factorised tangent, or None if it is not positive definite."""
         begin = perf_counter()
         pattern, values = self.gatherer.gather([e.hessian(convexity) for e in at if e.curved])
@@ -183,7 +190,7 @@ class Minimiser:
             return None
         finally:
             self.effort.add("factorisations", begin)
-        return System(pattern, values, self._solver)
+        return System(x, pattern, values, self._solver)
 
     def _search(
         self,
@@ -214,6 +221,27 @@ class Minimiser:
                 return end
             step *= 0.5
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
+
+
+def _nearer(x: Array, last: System | None, before: System | None) -> bool:
+    """Return whether the last tangent was made much nearer to x than the one before."""
+    if last is None or before is None:
+        return False
+    return bool(np.linalg.norm(x - last.point) <= NEAR * np.linalg.norm(x - before.point))
+
+
+def _lowest(
+    potentials: Sequence[Potential], x: Array, guess: Array | None
+) -> tuple[Array, list[Evaluation]]:
+    """Return the place of lower energy and its evaluations."""
+    at = evaluations(potentials, x)
+    there = None if guess is None else evaluations(potentials, guess)
+    if there is not None and (at is None or sum(e.energy for e in there) <= sum(e.energy for e in at)):
+        assert guess is not None
+        return guess, there
+    if at is None:
+        raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
+    return x, at
 
 
 def _lengthened(

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..mechanics.march import Progress
 from ..mechanics.minimise import Memory
+from ..mechanics.prediction import Past
 from ..scene import Scene, State
 from .codec import Arrays
 from .document import difference, stored
@@ -224,26 +225,31 @@ def read_index(path: Path) -> list[tuple[float, str]]:
 def _arrays(checkpoint: Checkpoint) -> Arrays:
     progress, parts = checkpoint.progress, checkpoint.seconds_by_part
     arrays: Arrays = {f"field.{name}": values for name, values in progress.state.fields.items()}
-    arrays["numbers"] = np.array([progress.state.time, progress.dt, progress.previous_dt, checkpoint.seconds])
+    arrays["numbers"] = np.array([progress.state.time, progress.dt, checkpoint.seconds])
     arrays["step"] = np.array(checkpoint.step)
     arrays["parts"], arrays["seconds"] = np.array(list(parts), dtype=np.str_), np.array(list(parts.values()))
-    if progress.previous is not None:
-        arrays["previous"] = progress.previous
+    if progress.past:
+        arrays["past.times"] = np.array([past.time for past in progress.past])
+        arrays["past.displacements"] = np.stack([past.displacement for past in progress.past])
     if (memory := progress.memory) is not None:
         arrays["memory.places"] = memory.places
         arrays["memory.level"] = np.array(memory.level)
-        arrays["memory.certified"] = np.array(memory.certified)
+        if memory.point is not None:
+            arrays["memory.point"] = memory.point
     return arrays
 
 
 def _checkpoint(arrays: Arrays) -> Checkpoint:
-    time, dt, previous_dt, seconds = arrays["numbers"].tolist()
+    time, dt, seconds = arrays["numbers"].tolist()
     own = [name for name in arrays if name.startswith("field.")]
     fields = {name.removeprefix("field."): arrays[name] for name in own}
     memory = None
     if "memory.places" in arrays:
-        level, certified = int(arrays["memory.level"]), bool(arrays["memory.certified"])
-        memory = Memory(arrays["memory.places"], level, certified)
-    progress = Progress(State(time, fields), dt, arrays.get("previous"), previous_dt, memory)
+        memory = Memory(arrays["memory.places"], int(arrays["memory.level"]), arrays.get("memory.point"))
+    past: tuple[Past, ...] = ()
+    if "past.times" in arrays:
+        pairs = zip(arrays["past.times"].tolist(), arrays["past.displacements"], strict=True)
+        past = tuple(Past(*pair) for pair in pairs)
+    progress = Progress(State(time, fields), dt, past, memory)
     parts = dict(zip(arrays["parts"].tolist(), arrays["seconds"].tolist(), strict=True))
     return Checkpoint(progress, int(arrays["step"]), seconds, parts)
