@@ -217,10 +217,10 @@ def test_nearest_is_no_farther_than_any_sampled_point(seed):
 
 def test_edges_chain_in_any_order():
     order = np.random.default_rng(0).permutation(9)
-    path, closed = chain(np.stack([np.arange(9), np.arange(1, 10)])[:, order])
+    path, closed = chain(np.stack([np.arange(9), np.arange(1, 10)])[:, order], "a line")
     assert not closed
     assert path.tolist() in (list(range(10)), list(range(9, -1, -1)))
-    ring, closed = chain(np.stack([np.arange(9), (np.arange(9) + 1) % 9])[:, order])
+    ring, closed = chain(np.stack([np.arange(9), (np.arange(9) + 1) % 9])[:, order], "a ring")
     assert closed
     assert sorted(ring.tolist()) == list(range(9))
     assert set(np.abs(np.diff(ring)).tolist()) <= {1, 8}
@@ -231,13 +231,25 @@ def test_edges_chain_in_any_order():
     [
         ([[0, 1, 1], [1, 2, 3]], ("3 ends", "1 branches", "one connected part")),
         ([[0, 2], [1, 3]], ("4 ends", "one connected part")),
-        ([[0, 1, 2, 5], [1, 2, 0, 6]], ("fall apart", "2 of 5")),
+        ([[0, 1, 2, 5], [1, 2, 0, 6]], ("fall apart", "2 of 5", "one connected part")),
     ],
 )
 def test_edges_that_make_no_single_curve_are_refused(pairs, words):
-    with pytest.raises(ValueError, match="boundary edges") as failure:
-        chain(np.array(pairs))
+    with pytest.raises(ValueError, match="the edges of boundary 'pial'") as failure:
+        chain(np.array(pairs), "boundary 'pial'")
     message_names(failure.value, *words)
+
+
+def test_a_surface_or_interface_in_two_parts_is_refused_by_its_name():
+    mesh = MeshTri1.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+    sides = {"pial": lambda p: (p[0] == 0) | (p[0] == 1), "base": lambda p: p[1] == 0}
+    with pytest.raises(ValueError, match="the edges of boundary 'pial' make a curve with 4 ends"):
+        Body(mesh.with_boundaries(sides), 0.3)
+    gray = {"cortex": lambda p: (p[0] < 0.25) | (p[0] > 0.75)}
+    sides = {"pial": lambda p: p[1] == 1, "base": lambda p: p[1] == 0}
+    body = Body(mesh.with_boundaries(sides).with_subdomains(gray), 0.3)
+    with pytest.raises(ValueError, match="the edges of the gray-white interface make a curve with 4 ends"):
+        _ = body.interface
 
 
 # what is refused

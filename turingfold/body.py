@@ -143,22 +143,22 @@ class Body:
             raise ValueError(
                 f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface."
             )
-        nodes, closed = self._path(across)
+        nodes, closed = self._path(across, "the gray-white interface")
         arc = self.pial_curve.nearest(self.nodes[:, nodes])[2]
         return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else _reversed(nodes, closed)
 
     def boundary_path(self, name: str) -> tuple[Integers, bool]:
         """Return the nodes of a named boundary in counter-clockwise order, and whether it is closed."""
         facets = np.asarray(self.mesh.boundaries[name])
-        nodes, closed = self._path(facets)
+        nodes, closed = self._path(facets, f"boundary {name!r}")
         first = self._facet_of[nodes[0], nodes[2 % len(nodes)]]
         element = self.mesh.f2t[0, first]
         corner = list(self.mesh.t[:, element])
         follows = corner[(corner.index(nodes[0]) + 1) % 3] == nodes[2 % len(nodes)]
         return (nodes, closed) if follows else (_reversed(nodes, closed), closed)
 
-    def _path(self, facets: Integers) -> tuple[Integers, bool]:
-        vertices, closed = chain(self.mesh.facets[:, facets])
+    def _path(self, facets: Integers, name: str) -> tuple[Integers, bool]:
+        vertices, closed = chain(self.mesh.facets[:, facets], name)
         onward = np.roll(vertices, -1) if closed else vertices[1:]
         mids = [self.mesh.nvertices + self._facet_of[a, b] for a, b in zip(vertices, onward, strict=False)]
         path = np.empty(len(vertices) + len(mids), dtype=np.int64)

@@ -104,10 +104,10 @@ class Curve:
         return mid + 0.5 * (high - low) * xi + 0.5 * (low - 2 * mid + high) * xi**2
 
 
-def chain(pairs: Integers) -> tuple[Integers, bool]:
+def chain(pairs: Integers, name: str) -> tuple[Integers, bool]:
     """Return the vertices of edges (2, n) in the order in which they follow each other, and if they close.
 
-    Raises ValueError if the edges do not make one single curve.
+    Raises ValueError, with the name, if the edges do not make one single curve.
     """
     neighbours: dict[int, list[int]] = {}
     for a, b in pairs.T.tolist():
@@ -117,8 +117,8 @@ def chain(pairs: Integers) -> tuple[Integers, bool]:
     branches = sum(len(near) > 2 for near in neighbours.values())
     if len(ends) not in (0, 2) or branches:
         raise ValueError(
-            f"the boundary edges make a curve with {len(ends)} ends and {branches} branches; name one "
-            "connected part of the boundary."
+            f"the edges of {name} make a curve with {len(ends)} ends and {branches} branches; name one "
+            "connected part of the mesh."
         )
     path = [ends[0] if ends else min(neighbours)]
     previous = -1
@@ -129,5 +129,8 @@ def chain(pairs: Integers) -> tuple[Integers, bool]:
         previous = path[-1]
         path.append(onward[0])
     if len(path) != len(neighbours):
-        raise ValueError(f"the boundary edges fall apart: {len(path)} of {len(neighbours)} vertices connect.")
+        raise ValueError(
+            f"the edges of {name} fall apart: {len(path)} of {len(neighbours)} vertices connect; name one "
+            "connected part of the mesh."
+        )
     return np.array(path), not ends
