@@ -164,4 +164,14 @@ def test_the_report_draws_the_dispersion_relation(body):
     assert curve.get_ydata().max() == pytest.approx(found.conditions.fastest_rate, rel=1e-3)
     assert len(points.get_xdata()) == 6
     stability_report(Schnakenberg(), 5.0).draw(Figure().add_subplot())
-    stability_report(GrayScott(F=0.035, k=0.065)).draw(Figure().add_subplot())
+
+
+def test_the_title_says_only_what_exists():
+    from matplotlib.figure import Figure
+
+    axes = Figure().add_subplot()
+    stability_report(GrayScott(F=0.035, k=0.065)).draw(axes)  # its only steady state has no activator
+    assert axes.get_title() == "GrayScott"
+    stability_report(Schnakenberg(), 20.0).draw(axes)
+    # a = 0.1, b = 0.9: f_u = 0.8, det J = 1, so the critical ratio is ((1 + √1.8)/0.8)²
+    assert axes.get_title() == f"Schnakenberg, ratio 20 (critical {((1 + 1.8**0.5) / 0.8) ** 2:.4g})"

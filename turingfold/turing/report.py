@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,9 +100,9 @@ class StabilityReport:
         axes.set_ylim(-4 * peak, 2 * peak)
         axes.set_xlabel("wave number k (1/m)" if self.modes else "wave number k (1/√D$_a$)")
         axes.set_ylabel("growth rate (1/kinetic time)")
-        axes.set_title(
-            f"{type(found.kinetics).__name__}, ratio {found.ratio:g} (critical {found.critical_ratio:.4g})"
-        )
+        ratio = "" if isnan(found.ratio) else f", ratio {found.ratio:g}"
+        critical = "" if isnan(found.critical_ratio) else f" (critical {found.critical_ratio:.4g})"
+        axes.set_title(f"{type(found.kinetics).__name__}{ratio}{critical}")
         axes.legend(frameon=False, fontsize=8)
 
 
