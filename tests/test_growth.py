@@ -13,7 +13,7 @@ from turingfold.growth import RateGrowth, cortex_indicator, restart
 from turingfold.histories import Exponential, Gompertz, Linear, Logistic, Table, growth_time, postnatal_day
 from turingfold.mechanics.elastic import Elastic
 from turingfold.outlines import outline
-from turingfold.scene import InadmissibleStateError, State
+from turingfold.scene import InadmissibleStateError, MissingFieldError, State
 from turingfold.swelling import SurfaceSwelling
 from turingfold.zones import Ellipse, HalfPlane, Window, Zone
 
@@ -247,6 +247,11 @@ def test_a_folded_over_body_cannot_be_restarted(body):
     x, y = body.nodes
     with pytest.raises(ValueError, match="triangle"):
         restart(body, State(1.0, {"displacement": np.stack([0 * x, -1.5 * y * (np.abs(x) < 0.3)])}))
+
+
+def test_a_state_without_displacement_cannot_be_restarted(body):
+    with pytest.raises(MissingFieldError, match=r"no field 'displacement' \(it has: growth\).*result\.last"):
+        restart(body, State(1.0, {"growth": np.ones(3)}))
 
 
 def test_swelling_starts_at_the_surface_and_ends_as_the_coat(body):

@@ -98,6 +98,11 @@ def test_bad_amplitude(amplitude):
         roughened(body(), amplitude)
 
 
+def test_a_roughness_that_turns_triangles_over_is_refused_with_its_remedy():
+    with pytest.raises(ValueError, match=r"amplitude=0\.15 m with modes=80 .* smaller amplitude or fewer"):
+        roughened(semicircle(radius=1.0, thickness=0.2, size=0.1), 0.15)
+
+
 def test_rough_thickness_leaves_the_interface():
     smooth = body(0.025)
     rough = roughened(smooth, 0.004, of="thickness", modes=20, seed=5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from .arrays import Array
 from .body import Body
 from .checks import between, finite, instance, one_of, positive
 from .histories import History, Linear
-from .scene import InadmissibleStateError, State
+from .scene import InadmissibleStateError, MissingFieldError, State
 from .zones import Zone, checked_zones, gain, local_thickness
 
 OUT_OF_PLANE = ("fixed", "tangential")
@@ -30,8 +31,51 @@ def cortex_indicator(body: Body, layers: str = "sigmoid", thickness: Array | flo
     return np.asarray(expit(10.0 * (1.0 - body.depth / (body.thickness if thickness is None else thickness))))
 
 
+class GrowthLaw(ABC):
+    """A process that gives growth as a function of time, whatever the steps taken; writes "growth".
+
+    out_of_plane: "fixed" (g_z = 1, plane strain) or "tangential" (g_z = g_t, growth of area).
+    """
+
+    out_of_plane: str
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Growth factors along tangent, normal and z, (3, q, e)."""
+        return ("growth",)
+
+    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
+        """Return the growth at the scene's start."""
+        return self._field(body, state, state.time)
+
+    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
+        """Return the growth one step later."""
+        return self._field(body, state, state.time + dt)
+
+    @abstractmethod
+    def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
+        """Return the tangential and the normal growth factor at a time, each (q, e)."""
+
+    def _field(self, body: Body, state: State, time: float) -> dict[str, Array]:
+        along, across = self.factors(body, state, time)
+        out = along if self.out_of_plane == "tangential" else np.ones_like(along)
+        growth = np.stack([along, across, out])
+        if not growth.min() > 0:
+            raise InadmissibleStateError(
+                f"{type(self).__name__}: the growth factor reaches {growth.min():.3g} at t = {time:.4g} but "
+                "must be positive; use factors closer to 1, a shorter run, or a history that levels off.",
+                time=time,
+            )
+        return {"growth": growth}
+
+
 @dataclass(frozen=True, kw_only=True)
-class TangentialGrowth:
+class TangentialGrowth(GrowthLaw):
     """Tangential growth of cortex and core, radial growth and isotropic swelling of the core; writes
     "growth".
 
@@ -79,20 +123,8 @@ class TangentialGrowth:
         """Nothing, or the pattern if it modulates growth."""
         return ("pattern",) if self.modulation else ()
 
-    @property
-    def writes(self) -> tuple[str, ...]:
-        """Growth factors along tangent, normal and z, (3, q, e)."""
-        return ("growth",)
-
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the growth at the scene's start."""
-        return self._at(body, state, state.time)
-
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
-        """Return the growth one step later."""
-        return self._at(body, state, state.time + dt)
-
-    def _at(self, body: Body, state: State, time: float) -> dict[str, Array]:
+    def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
+        """Return g_t and g_n at a time."""
         cortex, core, deep, outer, swelling = (
             self.history.factor(final, time)
             for final in (self.cortex, self.core, self.radial_core, self.radial_cortex, self.swelling_core)
@@ -106,12 +138,11 @@ class TangentialGrowth:
         along = core * swelling + share * (most - core * swelling)
         across = deep * swelling + share * (outer - deep * swelling)
         local = gain(body, self.zones)
-        along, across = 1.0 + local * (along - 1.0), 1.0 + local * (across - 1.0)
-        return tensor("TangentialGrowth", along, across, self, time)
+        return 1.0 + local * (along - 1.0), 1.0 + local * (across - 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class RateGrowth:
+class RateGrowth(GrowthLaw):
     """Tangential growth at a constant relative rate in a cortex that thins; writes "growth".
 
     dG/dt = rate θ(y/T(t)) (I - n⊗n) G, so g_t = exp(rate ∫ θ dt), with T(t) = T (1 - thinning·t): the law of
@@ -134,25 +165,8 @@ class RateGrowth:
         object.__setattr__(self, "zones", checked_zones(self.zones))
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
 
-    @property
-    def reads(self) -> tuple[str, ...]:
-        """Nothing."""
-        return ()
-
-    @property
-    def writes(self) -> tuple[str, ...]:
-        """Growth factors along tangent, normal and z, (3, q, e)."""
-        return ("growth",)
-
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the growth at the scene's start."""
-        return self._at(body, state.time)
-
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
-        """Return the growth one step later."""
-        return self._at(body, state.time + dt)
-
-    def _at(self, body: Body, time: float) -> dict[str, Array]:
+    def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
+        """Return g_t and g_n at a time."""
         # the whole history again, so that growth does not depend on the steps taken
         thinned(self.thinning, time)  # the cortex must last until then
         thickness = local_thickness(body, self.zones)
@@ -161,22 +175,7 @@ class RateGrowth:
             now = thickness * thinned(self.thinning, time * float(node))
             spent += time * weight * cortex_indicator(body, "sigmoid", now)
         spent *= gain(body, self.zones)
-        return tensor("RateGrowth", np.exp(self.rate * spent), np.exp(self.radial_rate * spent), self, time)
-
-
-def tensor(
-    name: str, along: Array, across: Array, law: TangentialGrowth | RateGrowth, time: float
-) -> dict[str, Array]:
-    """Return the field "growth" made of tangential and normal factors, (3, q, e), all positive."""
-    out = along if law.out_of_plane == "tangential" else np.ones_like(along)
-    growth = np.stack([along, across, out])
-    if not growth.min() > 0:
-        raise InadmissibleStateError(
-            f"{name}: the growth factor reaches {growth.min():.3g} at t = {time:.4g} but must be positive; "
-            "use factors closer to 1, a shorter run, or a history that levels off.",
-            time=time,
-        )
-    return {"growth": growth}
+        return np.exp(self.rate * spent), np.exp(self.radial_rate * spent)
 
 
 def thinned(thinning: float, time: float) -> float:
@@ -195,6 +194,12 @@ def restart(body: Body, state: State) -> Body:
     """Return the deformed body as a new one, free of stress: what a stage of growth hands to the next.
 
     Elements keep their layer and the cortex its nominal thickness; depth and tangents follow the new shape.
-    Raises ValueError if a deformed element is no valid element of a mesh.
+    Raises MissingFieldError without a displacement, ValueError if a deformed element is no valid element of a
+    mesh.
     """
+    if "displacement" not in state:
+        raise MissingFieldError(
+            f"state has no field 'displacement' (it has: {', '.join(sorted(state.fields)) or 'none'}); give "
+            "the state of a result, such as result.last."
+        )
     return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + state["displacement"]))

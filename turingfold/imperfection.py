@@ -94,7 +94,7 @@ def roughened(
     Raises ValueError where it would turn triangles over: use a smaller amplitude or fewer modes there.
     """
     one_of("of", of, ("shape", "thickness"))
-    positive("amplitude", amplitude, at_most=body.thickness, remedy="use at most the cortical thickness")
+    positive("amplitude", amplitude, at_most=body.thickness, remedy="the most is the cortical thickness")
     depth, tangent, arc = body.pial_curve.nearest(body.nodes)
     share = body.pial_share(arc)
     normal = np.stack([tangent[1], -tangent[0]])
@@ -104,4 +104,10 @@ def roughened(
     shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror) * normal
     moved = by_node(shift)
     moved[body.supported] = 0.0
-    return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + moved.reshape(-1, 2).T))
+    try:
+        return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + moved.reshape(-1, 2).T))
+    except ValueError as error:
+        raise ValueError(
+            f"amplitude={amplitude:g} m with modes={modes} turns triangles over; use a smaller amplitude or "
+            f"fewer modes ({error})"
+        ) from error

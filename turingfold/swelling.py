@@ -10,12 +10,12 @@ from scipy.special import erfc
 from .arrays import Array
 from .body import Body
 from .checks import one_of, positive
-from .growth import OUT_OF_PLANE, cortex_indicator
+from .growth import OUT_OF_PLANE, GrowthLaw, cortex_indicator
 from .scene import State
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfaceSwelling:
+class SurfaceSwelling(GrowthLaw):
     """Isotropic swelling of the coat as solvent reaches it; writes "growth".
 
     g = 1 + θ(y) (final - 1) c(y, t) along tangent and normal, θ(y) = 1/(1 + exp(10 (y/T - 1))) the coat, and
@@ -33,27 +33,9 @@ class SurfaceSwelling:
         positive("diffusivity", self.diffusivity)
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
 
-    @property
-    def reads(self) -> tuple[str, ...]:
-        """Nothing."""
-        return ()
-
-    @property
-    def writes(self) -> tuple[str, ...]:
-        """Growth factors along tangent, normal and z, (3, q, e)."""
-        return ("growth",)
-
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the growth at the scene's start."""
-        return self._at(body, state.time)
-
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
-        """Return the growth one step later."""
-        return self._at(body, state.time + dt)
-
-    def _at(self, body: Body, time: float) -> dict[str, Array]:
+    def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
+        """Return the stretch at a time, twice."""
         reached = np.sqrt(4 * self.diffusivity * time)
         wet = erfc(body.depth / reached) if time > 0 else np.zeros_like(body.depth)
         stretch = 1.0 + cortex_indicator(body) * (self.final - 1.0) * wet
-        out = stretch if self.out_of_plane == "tangential" else np.ones_like(stretch)
-        return {"growth": np.stack([stretch, stretch, out])}
+        return stretch, stretch
