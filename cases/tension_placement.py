@@ -48,6 +48,6 @@ def draw(results, figure):
     for axes, name, result in plots.panels(figure, len(PLACES), len(HALF_WAVES), results):
         early = next(k for k, state in enumerate(result.states) if state.time >= EARLY)
         before, after = (registration(result.pattern(), result.pial(k), result.pial(0)) for k in (early, -1))
-        folds = result.summary()["folds"]
-        words = f"registration {before:+.2f} before folding, {after:+.2f} after; {folds} sulci"
+        folds = plots.sulci(result.summary()["folds"])
+        words = f"registration {before:+.2f} before folding, {after:+.2f} after; {folds}"
         axes.set_title(f"{name}\n{words}", fontsize=10)

@@ -6,8 +6,6 @@ Each at its published parameters, with the diffusivities that make 24 half waves
 steady, certified by Newton's method and the leading eigenvalue. The mechanics is a body at rest.
 """
 
-import numpy as np
-
 from turingfold import (
     BVAM,
     BVAM2012,
@@ -59,9 +57,7 @@ def draw(results, figure):
     for (band, curve), (name, result) in zip(rows, results.items(), strict=True):
         plots.activator(band, result, bar=False)
         body = result.scene.body
-        values = np.full(body.nodes.shape[1], np.nan)
-        values[body.cortex.nodes] = result.last["activator"]
-        along = values[body.pial]
+        along = body.spread(body.cortex, result.last["activator"])[body.pial]
         curve.plot(1e3 * body.pial_arc, along, color="#0072b2")
         words = f"{name}: activator from {along.min():.3g} to {along.max():.3g}"
         curve.set_title(words, fontsize=10, loc="left")

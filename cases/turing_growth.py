@@ -80,12 +80,9 @@ def draw(results, figure):
     axes.spines[["top", "right"]].set_visible(False)
     left.colorbar(colours, ax=axes, label="activator u", location="bottom", shrink=0.6)
     for axes, name, result in plots.panels(right, 2, 2, results):
-        summary, pattern = result.summary(), result.last["pattern"]
-        along = np.full(result.scene.body.nodes.shape[1], np.nan)
-        along[result.scene.body.cortex.nodes] = pattern
-        along = along[result.scene.body.pial]
+        summary, along = result.summary(), result.pattern()
         axes.set_title(
-            f"{name}: {sign_changes(along - along.mean())} half waves, {summary['folds']} sulci,\n"
+            f"{name}: {sign_changes(along - along.mean())} half waves, {plots.sulci(summary['folds'])},\n"
             f"gyrification {summary['gyrification_index']:.2f}, registration {summary['registration']:+.2f}, "
             f"processes {summary['seconds_by_part']['processes']:.1f} of {summary['seconds']:.0f} s",
             fontsize=9,

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from small import elastic_scene, folding_scene
 
 from turingfold import AxonalTension, half, plots, semicircle, simulate
-from turingfold.drawing import at_nodes, colour_limits, per_length, round_length
+from turingfold.drawing import at_nodes, colour_limits, per_length, round_length, sulci
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +36,28 @@ def test_a_section_is_the_deformed_body_in_mm(folded, figure, field):
     assert colors.norm.vmin < colors.norm.vmax
     bar = figure.axes[-1]
     assert ("kPa" in bar.get_ylabel()) == (field != "jacobian")
+
+
+@pytest.mark.parametrize("field", ["von_mises", "pressure"])
+def test_stresses_without_unit_are_shown_in_units_of_the_moduli(figure, field):
+    scene = elastic_scene()  # μ = 1
+    result = simulate(scene)
+    colors = plots.section(figure.add_subplot(), result, field=field)
+    assert figure.axes[-1].get_ylabel().endswith("stress (in units of the moduli)") == (field == "von_mises")
+    assert "Pa" not in figure.axes[-1].get_ylabel()
+    values, weights = result.observe()[field], scene.body.quadrature.weights
+    limits = colour_limits(values, weights, centred=field == "pressure")
+    assert (colors.norm.vmin, colors.norm.vmax) == pytest.approx(limits)
+    for _ in plots.panels(Figure(), 1, 1, {"one": result}):
+        pass
+    pull = AxonalTension(strength=0.1, patches=4)
+    axes = figure.add_subplot()
+    plots.load_arrows(axes, scene, result.last, pull)
+    assert "N/m" not in axes.texts[0].get_text()
+
+
+def test_one_sulcus_is_not_several():
+    assert [sulci(count) for count in (0, 1, 2)] == ["0 sulci", "1 sulcus", "2 sulci"]
 
 
 def test_an_unknown_field_is_refused(folded, figure):

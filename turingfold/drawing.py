@@ -81,6 +81,11 @@ def shown(number: float) -> str:
     return f"{float(f'{number:.2g}'):g}"
 
 
+def sulci(count: int) -> str:
+    """Return a number of sulci in words."""
+    return f"{count} {'sulcus' if count == 1 else 'sulci'}"
+
+
 def core(axes: Axes, points: Array, body: Body) -> None:
     """Fill the body with the colour of tissue that shows nothing."""
     path = np.concatenate([body.pial, _closing(body)])

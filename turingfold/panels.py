@@ -9,6 +9,7 @@ import numpy as np
 
 from .arrays import Array, add_up
 from .body import Body
+from .drawing import PARTS, sulci
 from .results import Result, along_pial, pial_closed
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 
 
 WHITE, GRAY, INK = "#f3e9dc", "#b9887f", "#3b2626"
-# of a quadratic triangle: four straight ones
-PARTS = np.array([(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)])
 MIDDLES = np.array([(0, 1), (1, 2), (0, 2)])  # corners beside the nodes 3, 4, 5
 
 
@@ -61,8 +60,7 @@ def numbers(result: Result, step: int = -1) -> str:
     folds = find_folds(pial, closed=closed)
     index = gyrification_index(pial, closed=closed)
     depth = folds.depth / result.scene.body.thickness
-    words = "1 sulcus" if folds.count == 1 else f"{folds.count} sulci"
-    return f"{words}, GI {index:.2f}" + (f", depth {depth:.1f} T" if folds.count else "")
+    return f"{sulci(folds.count)}, GI {index:.2f}" + (f", depth {depth:.1f} T" if folds.count else "")
 
 
 def grid(

@@ -1,5 +1,8 @@
 """Pictures of a result, each a function of the Axes it draws on; lengths in mm, stresses in kPa.
 
+Bodies and moduli that are numbers in units of their own are shown in these: see `results.length_unit` and
+`results.stress_unit`.
+
 The colours can be told apart by the colour-blind: viridis for quantities, Okabe and Ito's for the rest.
 """
 
@@ -26,9 +29,10 @@ from .drawing import (
     round_length,
     shaded,
     shown,
+    sulci,
 )
 from .mechanics.factor import largest_growth
-from .results import Result, along_pial, length_unit
+from .results import Result, along_pial, length_unit, stress_unit
 from .scene import Scene, State, Term
 
 if TYPE_CHECKING:
@@ -38,11 +42,7 @@ if TYPE_CHECKING:
 
 
 VERMILION = "#d55e00"
-FIELDS = {
-    "von_mises": ("von Mises stress (kPa)", 1e-3),
-    "pressure": ("pressure (kPa)", 1e-3),
-    "jacobian": ("elastic volume ratio J*", 1.0),
-}
+FIELDS = {"von_mises": "von Mises stress", "pressure": "pressure", "jacobian": "elastic volume ratio J*"}
 
 
 def section(
@@ -59,8 +59,8 @@ def section(
 
     one_of("field", field, tuple(FIELDS))
     body, state = result.scene.body, result.states[step]
-    label, unit = FIELDS[field]
-    values = unit * result.observe(step)[field]
+    unit, label = _unit(result.scene, field)
+    values = result.observe(step)[field] / unit
     low, high = limits or colour_limits(values, body.quadrature.weights, centred=field != "von_mises")
     colors = ScalarMappable(Normalize(low, high), "viridis" if field == "von_mises" else "cividis")
     for points in copies(body, body.nodes + state["displacement"]):
@@ -93,8 +93,7 @@ def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:
 
     body = result.scene.body
     colors = ScalarMappable(Normalize(0, 1), "viridis")
-    pattern = np.zeros(body.nodes.shape[1])
-    pattern[body.cortex.nodes] = result.last["pattern"]
+    pattern = body.spread(body.cortex, result.last["pattern"], outside=0.0)
     for points in copies(body, body.nodes):
         core(axes, points, body)
         shaded(axes, points, body, body.in_cortex, pattern, colors)
@@ -120,7 +119,8 @@ def load_arrows(
 ) -> None:
     """Draw the load of a term at the end of the scene on the undeformed body, as about `count` arrows.
 
-    The load is a force per area of the curve it acts on, N/m²; forces at the curve's ends are left out.
+    The load is a force per area of the curve it acts on, in N/m² or in units of the moduli; forces at the
+    curve's ends are left out.
     share: of the body's width that is shown, around the apex.
     """
     body = scene.body
@@ -147,7 +147,7 @@ def load_arrows(
         axes.set_xlim(middle - MM * share * width / 2, middle + MM * share * width / 2)
         axes.set_ylim(MM * (top - 0.47 * share * width), MM * (top + 0.03 * share * width))
         low = MM * (top - 0.3 * share * width)
-    largest = f"largest {shown(np.hypot(*load).max())} N/m²"
+    largest = f"largest {shown(np.hypot(*load).max())}" + (" N/m²" if stress_unit(scene)[1] else "")
     axes.text(middle, low, largest, color=VERMILION, ha="center", va="center")
 
 
@@ -176,7 +176,10 @@ def panels(
     The panel still lacks its title. One colour bar, of the von Mises stress, serves all.
     """
     grid = figure.subplots(rows, columns, squeeze=False)
-    stresses = [(1e-3 * r.observe()["von_mises"], r.scene.body.quadrature.weights) for r in results.values()]
+    stresses = [
+        (r.observe()["von_mises"] / stress_unit(r.scene)[0], r.scene.body.quadrature.weights)
+        for r in results.values()
+    ]
     limits = 0.0, max(colour_limits(*stress, centred=False)[1] for stress in stresses)
     for axes, (name, result) in zip(grid.ravel(), results.items(), strict=True):
         colors = section(axes, result, bar=False, limits=limits)
@@ -185,7 +188,8 @@ def panels(
         yield axes, name, result
     handles = dict(zip(*reversed(grid.flat[0].get_legend_handles_labels()), strict=True))
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=2, frameon=False)
-    figure.colorbar(colors, ax=grid, label=FIELDS["von_mises"][0], shrink=0.4, aspect=30, extend="max")
+    label = _unit(result.scene, "von_mises")[1]
+    figure.colorbar(colors, ax=grid, label=label, shrink=0.4, aspect=30, extend="max")
 
 
 def scale_bar(axes: Axes, body: Body) -> None:
@@ -222,11 +226,19 @@ def folding(figure: Figure, result: Result, *, term: Term) -> None:
 def measures(result: Result) -> str:
     """Return growth, sulci, gyrification index and registration as one line."""
     s = result.summary()
-    words = [f"growth {s['growth']:.2f}", f"{s['folds']} sulci"]
+    words = [f"growth {s['growth']:.2f}", sulci(s["folds"])]
     words.append(f"gyrification index {s['gyrification_index']:.2f}")
     if s["registration"] is not None:
         words.append(f"registration {s['registration']:+.2f}")
     return ", ".join(words)
+
+
+def _unit(scene: Scene, field: str) -> tuple[float, str]:
+    """Return the unit that a field is shown in, and its label."""
+    if field == "jacobian":
+        return 1.0, FIELDS[field]
+    unit, name = stress_unit(scene)
+    return unit, f"{FIELDS[field]} ({name})" if name else f"{FIELDS[field]} (in units of the moduli)"
 
 
 def _bar_inside(axes: Axes, colors: ScalarMappable, label: str, ticks: list[float]) -> None:

@@ -14,13 +14,15 @@ import numpy as np
 from .arrays import Array
 from .body import Body
 from .mechanics.factor import largest_growth
-from .scene import Operator, Scene, State
+from .mechanics.march import acting, discretised
+from .scene import Operator, Scene, State, stress_scale
 
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
 
 NAN = float("nan")
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
+TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,7 @@ class Result:
     @cached_property
     def _operators(self) -> list[Operator]:
         """The terms on the body: costly to make, the same at every step."""
-        return operators(self.scene)
+        return discretised(self.scene)[0]
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
@@ -138,19 +140,12 @@ def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     return Result(scene, tuple(states), tuple(history), converged, seconds, parts)
 
 
-def operators(scene: Scene) -> list[Operator]:
-    """Return the terms of a scene, discretised on its body."""
-    return [term.on(scene.body) for term in scene.terms]
-
-
-def observe(operators: Iterable[Operator], state: State, dt: float) -> dict[str, Array]:
+def observe(operators: Sequence[Operator], state: State, dt: float) -> dict[str, Array]:
     """Return the fields that terms on a body show of a state, each (q, e); dt is the step that led to it."""
     x = state["displacement"].T.ravel()
     fields: dict[str, Array] = {}
-    for operator in operators:
-        potential = operator.during(state, dt)
-        if potential is not None:
-            fields |= potential.observe(x)
+    for potential in acting(operators, state, dt):
+        fields |= potential.observe(x)
     return fields
 
 
@@ -160,6 +155,14 @@ def length_unit(body: Body) -> tuple[float, str]:
     That is 1e-3 m, "mm"; for a body in units of its own, longer than 0.5, the cortical thickness, "T".
     """
     return (body.thickness, "T") if body.length > BRAIN else (1e-3, "mm")
+
+
+def stress_unit(scene: Scene) -> tuple[float, str]:
+    """Return the unit that stresses of a scene are shown in, and its name.
+
+    That is 1e3 Pa, "kPa"; for moduli that are no tissue's in Pa, the largest below 10, 1 without a name.
+    """
+    return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
 
 
 def along_pial(body: Body, values: Array) -> Array:

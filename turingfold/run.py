@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from .checks import instance, whole
 from .mechanics.factor import largest_growth
-from .mechanics.march import Progress, Step, begin, march
-from .results import FilePath, Result, Row, along_pial, observe, operators, pial_closed
+from .mechanics.march import Progress, Step, begin, discretised, march
+from .results import FilePath, Result, Row, along_pial, observe, pial_closed
 from .scene import NotConvergedError, Scene, SolveError, State
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ class _Run:
             self.states.append(position.state)
             self.parts["starting"] = self._seconds()
             if self.folder is not None:
-                shown = observe(operators(self.scene), position.state, position.dt)
+                shown = observe(discretised(self.scene)[0], position.state, position.dt)
                 self.folder.add_state(0, position.state, shown)
                 self._save(position)
             return position

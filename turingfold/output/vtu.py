@@ -30,8 +30,7 @@ def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
     in_triangles = {name: [in_cells(body, values)] for name, values in observed.items()}
     for name, values in state.fields.items():
         if values.shape == body.cortex.nodes.shape:
-            at_nodes[name] = np.full(len(points), np.nan)
-            at_nodes[name][body.cortex.nodes] = values
+            at_nodes[name] = body.spread(body.cortex, values)
         elif name == "growth":
             in_triangles[name] = [in_cells(body, values[0])]
     in_triangles["layer"] = [body.in_cortex.astype(np.int32)]
