@@ -172,10 +172,13 @@ class ElasticPotential(SimplePotential):
     def evaluate(self, x: Array) -> ElasticEvaluation | None:
         """Return energy and derivatives at x, or None where J* <= 0 somewhere."""
         H = self.stretch(x)
-        J = self.metric.delta * determinant(H)
+        J = self._jacobian(H)
         if not J.min() > 0:  # also catches NaN
             return None
         return ElasticEvaluation(self, H, J)
+
+    def _jacobian(self, H: Array) -> Array:
+        return np.asarray(self.metric.delta * determinant(H))
 
     def largest_step(self, x: Array, direction: Array) -> float:
         """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
@@ -192,8 +195,7 @@ class ElasticPotential(SimplePotential):
 
     def measure(self, x: Array) -> dict[str, float]:
         """Return the smallest J*."""
-        at = self.evaluate(x)
-        return {"min_jacobian": float(at.J.min()) if at is not None else float("nan")}
+        return {"min_jacobian": float(self._jacobian(self.stretch(x)).min())}
 
 
 class ElasticEvaluation:
