@@ -28,7 +28,7 @@ LAYERS = (
     ("drawing",),
     ("panels", "plots"),
     ("cli_case", "cli_figure", "cli_status"),
-    ("cli_buckling", "cli_run", "cli_tools"),
+    ("cli_buckling", "cli_follow", "cli_run", "cli_tools"),
     ("cli",),
     ("__main__",),
 )
@@ -141,7 +141,7 @@ def loaded():
     return done.stdout.split()
 
 
-UNUSED = ("turing", "tension", "mechanics.contact", "mechanics.dynamics", "output", "plots")
+UNUSED = ("turing", "tension", "mechanics.contact", "mechanics.damping", "mechanics.dynamics", "output", "plots")
 
 
 @pytest.mark.parametrize("absent", [*(f"turingfold.{name}" for name in UNUSED), *HEAVY])

@@ -17,6 +17,9 @@ from .histories import postnatal_day as postnatal_day
 from .imperfection import Imperfection as Imperfection
 from .imperfection import roughened as roughened
 from .mechanics.active import ActiveStress as ActiveStress
+from .mechanics.arclength import EquilibriumPath as EquilibriumPath
+from .mechanics.arclength import PathStoppedError as PathStoppedError
+from .mechanics.arclength import equilibria as equilibria
 from .mechanics.buckling import Buckling as Buckling
 from .mechanics.buckling import buckling as buckling
 from .mechanics.contact import SelfContact as SelfContact
@@ -46,6 +49,7 @@ from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length
 from .outlines.build import Fine as Fine
 from .outlines.build import outline as outline
+from .outlines.mask import mask_outline as mask_outline
 from .outlines.read import read_outline as read_outline
 from .outlines.retrace import retraced as retraced
 from .output.files import CorruptFileError as CorruptFileError

@@ -89,7 +89,9 @@ def parser() -> argparse.ArgumentParser:
     buckling.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes()")
     buckling.add_argument("--quick", action="store_true", help="of the small version")
     buckling.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
-    buckling.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
+    what = buckling.add_mutually_exclusive_group()
+    what.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
+    what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command=_buckling)
 
     compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
@@ -140,8 +142,9 @@ def _stability(options: argparse.Namespace) -> int:
 
 def _buckling(options: argparse.Namespace) -> int:
     from .cli_buckling import report
+    from .cli_follow import follow
 
-    print(report(options))
+    print(report(options) if options.follow is None else follow(options))
     return 0
 
 

@@ -23,9 +23,10 @@ def report(options: argparse.Namespace) -> str:
     Terms that resist motion are left out: they would only delay what the tangent shows.
     """
     from .mechanics.buckling import buckling
+    from .mechanics.memory import at_rest
 
     scenes = load_case(options.case).scenes(quick=options.quick, only=options.only or ())
-    found = {name: buckling(_without_drag(scene)) for name, scene in scenes.items()}
+    found = {name: buckling(at_rest(scene)) for name, scene in scenes.items()}
     width = max(len(name) for name in found)
     rows = [f"{'scene':{width}}  critical growth  half waves    time"]
     for name, one in found.items():
@@ -35,13 +36,6 @@ def report(options: argparse.Namespace) -> str:
         _draw(options, scenes, found)
         rows.append(f"figure: {options.figure}")
     return "\n".join(rows)
-
-
-def _without_drag(scene: Scene) -> Scene:
-    from dataclasses import replace
-
-    kept = tuple(term for term in scene.terms if not term.on(scene.body).grounds)
-    return scene if len(kept) == len(scene.terms) else replace(scene, terms=kept)
 
 
 def _draw(options: argparse.Namespace, scenes: dict[str, Scene], found: dict[str, Buckling]) -> None:

@@ -1,0 +1,313 @@
+"""Paths of equilibria through limit points: a truss with an exact answer, growing bodies, failures."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from checks import message_names
+from small import elastic_scene
+
+from turingfold.geometry import half, semicircle
+from turingfold.growth import TangentialGrowth
+from turingfold.imperfection import Imperfection
+from turingfold.mechanics.arclength import PathStoppedError, equilibria
+from turingfold.mechanics.buckling import buckling
+from turingfold.mechanics.contact import SelfContact
+from turingfold.mechanics.damping import StiffnessDamping
+from turingfold.mechanics.dynamics import Drag, Inertia
+from turingfold.mechanics.elastic import Elastic
+from turingfold.mechanics.march import Progress, march
+from turingfold.mechanics.material import NeoHookean
+from turingfold.mechanics.memory import at_rest
+from turingfold.run import simulate
+from turingfold.scene import Hessian, Scene, SimplePotential, Stepping
+from turingfold.tension import AxonalTension
+
+SPAN, HEIGHT = 1.0, 0.3  # of half a shallow von Mises truss
+LENGTH = np.hypot(SPAN, HEIGHT)  # of its bars at rest
+CRITICAL = (LENGTH * SPAN**2) ** (1 / 3)  # of its bars at the limit points
+LIMIT = 2 * (LENGTH / CRITICAL - 1) * np.sqrt(CRITICAL**2 - SPAN**2)  # largest load on bars of stiffness 1
+LOADS = -1.5 * LIMIT, 1.5 * LIMIT  # at t = 0 and t = 1
+
+
+@dataclass(frozen=True)
+class Truss:
+    """Two bars of stiffness 1 meet at the last node, which a load pushes down; springs hold the others.
+
+    Energy Σ ½ (l - l₀)² + p w, with p = LOADS[0] + (LOADS[1] - LOADS[0]) t.
+    """
+
+    reads = ()
+
+    def on(self, body):
+        return TrussOperator(2 * body.nodes.shape[1])
+
+
+@dataclass
+class TrussOperator:
+    n: int
+    grounds = True
+
+    def __post_init__(self):
+        self.rows = np.concatenate([np.arange(self.n), [self.n - 1]])
+        self.columns = np.concatenate([np.arange(self.n), [self.n - 2]])
+
+    def during(self, state, dt):
+        return TrussPotential(self, LOADS[0] + (LOADS[1] - LOADS[0]) * state.time)
+
+
+@dataclass(frozen=True)
+class TrussPotential(SimplePotential):
+    operator: TrussOperator
+    load: float
+
+    def evaluate(self, x):
+        return TrussEvaluation(self, x)
+
+
+class TrussEvaluation:
+    curved, grain = True, 0.0
+
+    def __init__(self, potential, x):
+        self.potential, self.x = potential, x
+        foot = np.array([[-SPAN, -HEIGHT], [SPAN, -HEIGHT]])
+        self.bars = x[-2:] - foot
+        self.lengths = np.hypot(*self.bars.T)
+        springs = 0.5 * float(x[:-2] @ x[:-2])
+        self.energy = springs + 0.5 * float(((self.lengths - LENGTH) ** 2).sum()) + potential.load * x[-1]
+
+    def gradient(self):
+        force = self.x.copy()
+        force[-2:] = ((1 - LENGTH / self.lengths)[:, None] * self.bars).sum(0)
+        force[-1] += self.potential.load
+        return force, LIMIT**2
+
+    def hessian(self, convexity):
+        units = self.bars / self.lengths[:, None]
+        share = LENGTH / self.lengths
+        block = sum((1 - s) * np.eye(2) + s * np.outer(u, u) for s, u in zip(share, units, strict=True))
+        operator = self.potential.operator
+        values = np.ones(operator.n + 1)
+        values[-3:] = block[0, 0], block[1, 1], block[1, 0]
+        return Hessian(operator.rows, operator.columns, values, lasting=True)
+
+
+BODY = semicircle(radius=1.0, thickness=0.3, size=0.5)
+
+
+def truss():
+    # the last node is on no base: it is the middle of an edge
+    assert BODY.nodes.shape[1] * 2 - 1 not in BODY.fixed
+    return Scene(body=BODY, terms=(Truss(),))
+
+
+def load(w):
+    """Return the exact load that pushes the truss down by w."""
+    y = HEIGHT - w
+    return 2 * (LENGTH / np.hypot(SPAN, y) - 1) * y
+
+
+def times(loads):
+    return (np.asarray(loads) - LOADS[0]) / (LOADS[1] - LOADS[0])
+
+
+def depth(path):
+    return np.array([-point.state["displacement"][1, -1] for point in path.points])
+
+
+# the truss
+
+
+def test_a_truss_snaps_through_as_in_theory():
+    path = equilibria(truss())
+    w, time = depth(path), path.of("time")
+    assert time[0] == 0.0
+    assert time[-1] == 1.0
+    assert (np.diff(w) > 0).all()  # up to the first limit point, back to the second, and on
+    assert times(load(w)) == pytest.approx(time, abs=1e-7)
+    assert (path.of("residual") <= 1e-8).all()
+    assert path.limit_points == pytest.approx(times([LIMIT, -LIMIT]), abs=1e-5)
+    y = np.sqrt(CRITICAL**2 - SPAN**2)
+    between = (w > HEIGHT - y) & (w < HEIGHT + y)
+    assert path.of("negative_pivots").tolist() == between.astype(int).tolist()
+    assert path.stable.tolist() == (~between).tolist()
+    assert between.sum() > 5
+    bars = np.hypot(SPAN, HEIGHT - w) - LENGTH
+    assert path.of("energy") == pytest.approx(bars**2 - load(w) * w, abs=1e-9)
+
+
+def test_the_rate_is_the_slope_of_time_along_the_path():
+    """ds² = dw²/(n thickness²) + dt², n nodes, as only one of them moves."""
+    path = equilibria(truss())
+    w = depth(path)
+    slope = (load(w + 1e-5) - load(w - 1e-5)) / 2e-5 / (LOADS[1] - LOADS[0])
+    size = BODY.thickness * np.sqrt(BODY.nodes.shape[1])
+    assert path.of("rate") == pytest.approx(slope / np.hypot(slope, 1 / size), abs=1e-4)
+    chords = np.hypot(np.diff(w) / size, np.diff(path.of("time")))
+    assert np.diff(path.of("arc")) == pytest.approx(chords, rel=1e-9)
+
+
+def test_the_way_back_leads_to_the_start():
+    there = equilibria(truss(), steps=40)
+    assert there.limit_points.size > 0
+    back = equilibria(truss(), start=there.points[-1], backward=True)
+    assert back.points[-1].time == 0.0
+    assert depth(back)[-1] == pytest.approx(depth(there)[0], abs=1e-8)
+    assert back.limit_points == pytest.approx(there.limit_points[::-1], abs=1e-5)
+
+
+def test_a_path_goes_on_from_any_of_its_points():
+    whole = equilibria(truss())
+    first = equilibria(truss(), steps=15)
+    second = equilibria(truss(), start=first.points[-1], arc=0.02)
+    assert second.points[0].arc == first.points[-1].arc
+    found = [*first.limit_points, *second.limit_points]
+    assert found == pytest.approx(whole.limit_points, abs=1e-5)
+    assert second.points[-1].time == 1.0
+
+
+def test_a_path_ends_where_it_is_told():
+    path = equilibria(truss(), until=0.5)
+    assert path.points[-1].time == 0.5
+    assert depth(path)[-1] == pytest.approx(0.0, abs=1e-8)  # no load there
+    assert len(equilibria(truss(), steps=3).points) == 4
+
+
+# growing bodies
+
+
+def growing(*terms, element="auto", largest=0.1):
+    """Return half a clamped disc that creases at its ends, without an exact solution."""
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.1, base="clamped"))
+    solid = Elastic(gray=NeoHookean(1.0, 5.0), element=element)
+    return Scene(
+        body=body, terms=(solid, *terms), processes=(TangentialGrowth(cortex=2.0, layers="sharp"),),
+        stepping=Stepping(first=0.1, largest=largest),
+    )
+
+
+def test_the_limit_point_of_a_clamped_disc_is_where_its_base_path_ends():
+    scene = growing()
+    path, found = equilibria(scene, steps=20), buckling(scene)
+    assert found.limit
+    # which brackets it to 1e-4 of the scene's time from below
+    assert found.time <= path.limit_points[0] <= found.time + 1e-4
+    assert path.points[-1].time < path.limit_points[0]
+    beyond = np.flatnonzero(path.of("rate") < 0)[0]
+    assert path.of("negative_pivots").tolist() == [0] * beyond + [1] * (21 - beyond)
+    assert (path.of("residual") <= 1e-8).all()
+    fine = equilibria(scene, arc=0.02, largest=1.0, steps=60)
+    assert path.limit_points[0] == pytest.approx(fine.limit_points[0], abs=1e-5)
+
+
+def test_contact_turns_the_path_forward_again():
+    """Without contact the crease closes at ever less growth; with it the body snaps to touching walls."""
+    scene = growing(SelfContact())
+    path = equilibria(scene)
+    turns = path.limit_points
+    assert len(turns) == 2
+    assert turns[1] < turns[0] - 0.05
+    assert path.points[-1].time == 1.0
+    assert path.stable[-1]
+    assert path.of("negative_pivots").max() == 1
+    on = path.points[np.flatnonzero(path.of("rate") < 0)[-1] + 3]
+    assert on.time < turns[0]
+    *_, (last, _) = march(scene, Progress(on.state, 0.05))  # on the branch that the path has come to
+    assert last.numbers["negative_pivots"] == 0
+    assert np.abs(last.state["displacement"] - path.points[-1].state["displacement"]).max() < 1e-6
+
+
+@pytest.mark.parametrize("element", ["quadratic", "mixed"])
+def test_without_a_limit_point_the_states_are_those_of_a_march(element):
+    scene = elastic_scene(stepping=Stepping(first=0.1, largest=0.2, tolerance=1e-11))
+    pull = AxonalTension(strength=0.02, patches=6)
+    scene = replace(scene, terms=(replace(scene.terms[0], element=element), pull))
+    path = equilibria(scene)
+    assert path.limit_points.size == 0
+    assert path.stable.all()
+    for point in (path.points[len(path.points) // 2], path.points[-1]):
+        marched = simulate(replace(scene, until=point.time))
+        moved = marched.last["displacement"]
+        assert np.abs(point.state["displacement"] - moved).max() < 1e-8 * np.abs(moved).max()
+        assert point.energy == pytest.approx(marched.history[-1]["energy"], rel=1e-8)
+        assert point.growth == pytest.approx(marched.history[-1]["growth"], rel=1e-12)
+
+
+# what it refuses, and where it stops
+
+
+@dataclass(frozen=True)
+class Compounding:
+    """Growth that multiplies what is there at every step."""
+
+    reads = ()
+    writes = ("growth",)
+
+    def start(self, body, state, seed):
+        return {"growth": np.ones((3, *body.quadrature.weights.shape))}
+
+    def advance(self, body, state, dt):
+        return {"growth": state["growth"] * (1 + dt)}
+
+
+@dataclass(frozen=True)
+class Waiting(Compounding):
+    """Growth that reads the last equilibrium."""
+
+    reads = ("displacement",)
+
+
+SOLID = Elastic(gray=NeoHookean(1.0, 5.0))
+RESISTING = (Drag(coefficient=1e-9), Inertia(density=1.0), StiffnessDamping(elastic=SOLID, time=1.0))
+
+
+@pytest.mark.parametrize("term", RESISTING, ids=lambda term: type(term).__name__)
+def test_terms_that_resist_motion_are_refused(term):
+    with pytest.raises(ValueError, match=type(term).__name__):
+        equilibria(growing(term))
+    assert at_rest(growing(term)).terms == growing().terms
+
+
+@pytest.mark.parametrize("process", [Compounding(), Waiting()])
+def test_processes_that_remember_are_refused(process):
+    with pytest.raises(ValueError, match=type(process).__name__):
+        equilibria(replace(growing(), processes=(process,)))
+
+
+def test_processes_that_act_on_one_another_are_not_refused():
+    noise = Imperfection(of="growth", amplitude=0.01)
+    scene = growing()
+    assert len(equilibria(replace(scene, processes=(*scene.processes, noise)), steps=2).points) == 3
+
+
+def test_a_path_that_cannot_go_on_keeps_what_it_has():
+    with pytest.raises(PathStoppedError) as caught:
+        equilibria(growing(), arc=2.0, smallest=1.0, largest=1.0)
+    message_names(caught.value, "after 1 points", "t = 0", "smallest")
+    assert caught.value.time == 0.0
+    assert len(caught.value.path.points) == 1
+
+
+def test_a_path_stops_at_the_time_limit():
+    scene = replace(growing(), stepping=Stepping(seconds=1e-6))
+    with pytest.raises(PathStoppedError, match="time limit"):
+        equilibria(scene)
+
+
+def test_a_start_that_has_no_equilibrium_is_an_error():
+    scene = replace(growing(), stepping=Stepping(tolerance=1e-30))
+    with pytest.raises(PathStoppedError, match="after 0 points"):
+        equilibria(scene)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"arc": 0.0}, {"smallest": 2.0}, {"largest": -1.0}, {"largest": 0.5}, {"steps": 0}, {"until": 2.0},
+        {"backward": True},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_bad_options(options):
+    with pytest.raises(ValueError, match=next(iter(options))):
+        equilibria(truss(), **options)

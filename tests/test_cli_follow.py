@@ -1,0 +1,104 @@
+"""turingfold buckling --follow: paths through limit points as CSV and as a bifurcation diagram."""
+
+import csv
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from turingfold.cli import main
+from turingfold.cli_follow import diagram, measured
+from turingfold.geometry import half, semicircle
+from turingfold.mechanics.arclength import EquilibriumPath, PathPoint
+from turingfold.scene import State
+
+CASE = '''
+"""Half of a clamped disc that creases and snaps."""
+from turingfold import (
+    Drag, Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, half, semicircle,
+)
+
+def scenes(quick=False):
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.2, base="clamped"))
+    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), Drag(coefficient=1.0))
+    grow = TangentialGrowth(cortex=1.2, layers="sharp")
+    return {
+        "calm one": Scene(body=body, terms=terms, processes=(grow,)),
+        "hurried": Scene(body=body, terms=terms, processes=(grow,), stepping=Stepping(seconds=1e-9)),
+    }
+'''
+
+
+def rows(file):
+    with file.open(newline="") as text:
+        return list(csv.DictReader(text))
+
+
+def test_paths_and_diagram_are_written(tmp_path, capsys):
+    case, out = tmp_path / "disc.py", tmp_path / "paths"
+    case.write_text(CASE)
+    assert main(["buckling", str(case), "--only", "calm one", "--follow", str(out)]) == 0
+    shown = capsys.readouterr().out
+    found = rows(out / "calm-one.csv")
+    assert str(out) in shown
+    assert "none" in shown.splitlines()[1]
+    assert float(found[0]["growth"]) == 1.0
+    assert float(found[-1]["time"]) == 1.0
+    assert float(found[-1]["growth"]) == pytest.approx(1.2, rel=1e-12)
+    assert {row["negative_pivots"] for row in found} == {"0"}
+    assert float(found[-1]["normal_displacement"]) > 0.02
+    assert (out / "disc.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_path_that_stops_is_written_before_the_error(tmp_path, capsys):
+    case, out = tmp_path / "disc.py", tmp_path / "paths"
+    case.write_text(CASE)
+    assert main(["buckling", str(case), "--follow", str(out)]) == 3
+    assert "time limit" in capsys.readouterr().err
+    assert len(rows(out / "hurried.csv")) == 1
+    assert len(rows(out / "calm-one.csv")) > 1
+    assert (out / "disc.png").exists()
+
+
+def test_modes_and_paths_are_not_drawn_at_once(tmp_path, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(["buckling", "case.py", "--figure", "modes.png", "--follow", str(tmp_path)])
+    assert caught.value.code == 2
+    assert "--figure" in capsys.readouterr().err
+
+
+def path_of(body, times, radial, pivots, rates):
+    """Return a path of states that move outward by given amounts."""
+    points = [
+        PathPoint(
+            state=State(time, {"displacement": amount * body.nodes}), arc=float(k), rate=rate,
+            growth=1 + time, energy=0.0, residual=0.0, negative_pivots=negative,
+        )
+        for k, (time, amount, negative, rate) in enumerate(zip(times, radial, pivots, rates, strict=True))
+    ]
+    return EquilibriumPath(tuple(points))
+
+
+@pytest.mark.parametrize("halved", [False, True])
+def test_normal_displacement_is_that_of_the_pial_surface(halved):
+    body = semicircle(radius=2.0, thickness=0.4, size=0.2)
+    body = half(body) if halved else body
+    path = path_of(body, [0.0, 0.5], [0.0, -0.1], [0, 0], [1.0, 1.0])
+    found = measured(body, path)
+    assert found["normal_displacement"] == pytest.approx([0.0, 0.2], rel=1e-3)
+    assert found["sulcal_depth"].tolist() == [0.0, 0.0]
+
+
+def test_unstable_pieces_are_dashed_and_turns_marked():
+    body = semicircle(radius=2.0, thickness=0.4, size=0.4)
+    times, pivots, rates = [0.0, 0.4, 0.5, 0.45, 0.3, 0.4], [0, 0, 0, 1, 1, 0], [1, 1, 0.1, -0.3, -0.1, 1]
+    axes = Figure().add_subplot()
+    diagram(axes, body, path_of(body, times, np.linspace(0, 0.1, 6), pivots, rates))
+    first, second, turns = axes.get_lines()
+    assert first.get_linestyle() == "-"
+    assert first.get_xdata() == pytest.approx([1.0, 1.4, 1.5])
+    assert second.get_linestyle() == "--"
+    assert second.get_xdata() == pytest.approx([1.5, 1.45, 1.3, 1.4])
+    assert turns.get_xdata() == pytest.approx([1.45, 1.4])
+    assert axes.get_xlabel() == "growth"
+    assert "(T)" in axes.get_ylabel()

@@ -1,0 +1,188 @@
+"""Equilibria of a scene beyond limit points, by continuation in arc length instead of time.
+
+Where a path of equilibria turns back in time the body snaps to another one, and a march jumps. The states
+between, stable or not, are found with time as an unknown (`corrector`), from a guess along the tangent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from ..arrays import Array
+from ..body import by_node
+from ..checks import instance, positive, whole
+from ..scene import NotConvergedError, Scene, SolveError, State
+from .corrector import Balanced, Corrector, Direction, Place
+from .factor import largest_growth
+
+AIM = 3.5  # iterations of the corrector
+TURN = 0.9  # cosine of the angle by which the path may turn in one step
+STRAY = 0.5  # a correction longer than this share of the arc has left the path
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PathPoint:
+    """An equilibrium on a path, stable or not.
+
+    state: with the displacement (2, n_nodes) in m.  arc: length of the path up to here (see `equilibria`).
+    rate: dt/ds, negative where the path runs back in time.  growth: the largest tangential growth factor.
+    energy in J/m.  residual: relative.  negative_pivots: number of directions in which the energy falls.
+    """
+
+    state: State
+    arc: float
+    rate: float
+    growth: float
+    energy: float
+    residual: float
+    negative_pivots: int
+
+    @property
+    def time(self) -> float:
+        """Time in the scene's units."""
+        return self.state.time
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibriumPath:
+    """Points in the order in which they were found."""
+
+    points: tuple[PathPoint, ...]
+
+    def of(self, name: str) -> Array:
+        """Return a number of each point by its name, such as "time" or "energy", (n_points,)."""
+        return np.array([float(getattr(point, name)) for point in self.points])
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether each point is a minimum of the energy, (n_points,)."""
+        return np.array([point.negative_pivots == 0 for point in self.points])
+
+    @cached_property
+    def limit_points(self) -> Array:
+        """Times at which the path turns back, in order; by cubic interpolation from the points around."""
+        arc, time, rate = self.of("arc"), self.of("time"), self.of("rate")
+        found = []
+        for k in np.flatnonzero(rate[1:] * rate[:-1] < 0):
+            near = slice(k, k + 2)
+            curve = CubicHermiteSpline(arc[near], time[near], rate[near])
+            found += [float(curve(s)) for s in curve.derivative().roots(extrapolate=False)]
+        return np.array(found)
+
+
+class PathStoppedError(NotConvergedError):
+    """A path that could not be followed; `path` holds its points so far."""
+
+    def __init__(self, message: str, path: EquilibriumPath, *, time: float, residual: float) -> None:
+        """Keep what was found."""
+        super().__init__(message, time=time, residual=residual)
+        self.path = path
+
+
+def equilibria(
+    scene: Scene, *, arc: float = 0.05, smallest: float = 1e-4, largest: float = 2.0, steps: int = 200,
+    until: float | None = None, start: PathPoint | None = None, backward: bool = False,
+) -> EquilibriumPath:  # fmt: skip
+    """Return the equilibria that are connected with the scene's start, through limit points.
+
+    The load is the scene's time. Arcs are measured by ds² = |du|²/thickness² (mean over the nodes) +
+    dt²/scene.until².
+    arc: length of the first step; later ones aim at three or four iterations of the corrector each.
+    smallest, largest: bounds of the steps, in units of the first.  steps: most points after the start.
+    until: time at which to stop, the scene's end by default; the path also stops where it returns to t = 0.
+    start: a point to go on from.  backward: from there, the way that it came.
+    Raises ValueError for parts that remember how a state was reached (drag, inertia, a pattern that evolves),
+    PathStoppedError where a step fails at the smallest arc or `scene.stepping.seconds` are over.
+    """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    first = positive("arc", arc)
+    if positive("largest", largest) < 1:
+        raise ValueError(f"largest={largest:g} must be at least 1, the first step; use a smaller arc.")
+    bounds = first * positive("smallest", smallest, at_most=1.0), first * largest
+    whole("steps", steps, at_least=1)
+    end = scene.until if until is None else positive("until", until, at_most=scene.until)
+    if start is None and backward:
+        raise ValueError("backward=True needs a start, such as path.points[-1]: nothing comes before t = 0.")
+    began, corrector = perf_counter(), Corrector(scene, end)
+    try:
+        last = _first(corrector, start, backward)
+    except SolveError as error:
+        raise _stopped([], error) from error
+    points, length = [_point(last, 0.0 if start is None else start.arc)], first
+    for _ in range(steps):
+        if last.place.time == (end if last.tangent.time > 0 else 0.0):
+            break
+        try:
+            last, covered, length = _step(corrector, last, length, bounds)
+            if perf_counter() - began > scene.stepping.seconds:
+                raise NotConvergedError(f"the time limit of {scene.stepping.seconds:g} s is reached")
+        except SolveError as error:
+            raise _stopped(points, error) from error
+        points.append(_point(last, points[-1].arc + covered))
+    return EquilibriumPath(tuple(points))
+
+
+def _first(corrector: Corrector, start: PathPoint | None, backward: bool) -> Balanced:
+    """Return the equilibrium to begin with, its tangent pointing the way to go."""
+    place, way = corrector.start, 1.0
+    if start is not None:
+        left = {k: v for k, v in start.state.fields.items() if k not in corrector.path.start.state}
+        place = Place(by_node(start.state["displacement"]), start.time, left)
+        way = np.sign(start.rate) * (-1.0 if backward else 1.0)
+    return corrector.correct(place, Direction(np.zeros_like(place.x), way))
+
+
+def _step(
+    corrector: Corrector, last: Balanced, length: float, bounds: tuple[float, float]
+) -> tuple[Balanced, float, float]:
+    """Return the next equilibrium, the length of the chord to it, and that of the step to try after it."""
+    smallest, largest = bounds
+    while True:
+        try:
+            found = _attempt(corrector, last, length, careful=length >= 2 * smallest)
+        except SolveError:
+            length *= 0.5
+            if length < smallest:
+                raise
+            continue
+        onward = length * min(max(AIM / found.iterations, 0.5), 2.0)
+        covered = corrector.distance(last.place, found.place)
+        return found, covered, min(max(onward, smallest), largest)
+
+
+def _attempt(corrector: Corrector, last: Balanced, length: float, careful: bool) -> Balanced:
+    """Return the equilibrium near the place ahead; careful: refuse it where the path turns too much."""
+    guess, across = corrector.ahead(last, length), last.tangent
+    if guess.time in (0.0, corrector.until):  # where the path ends: the time is known
+        across = Direction(np.zeros_like(guess.x), across.time)
+    found = corrector.correct(guess, across)
+    time = found.place.time
+    if corrector.distance(guess, found.place) > STRAY * length:
+        raise NotConvergedError("the corrector leaves the path", time=time)
+    if careful and corrector.product(found.tangent, last.tangent) < TURN:
+        raise NotConvergedError("the path turns too fast", time=time)
+    return found
+
+
+def _point(found: Balanced, arc: float) -> PathPoint:
+    return PathPoint(
+        state=found.state, arc=arc, rate=found.tangent.time, growth=largest_growth(found.state),
+        energy=found.energy, residual=found.residual, negative_pivots=found.negative,
+    )
+
+
+def _stopped(points: list[PathPoint], error: SolveError) -> PathStoppedError:
+    where = f"t = {points[-1].time:.6g}, growth {points[-1].growth:.4g}" if points else "its start"
+    time = points[-1].time if points else error.time
+    return PathStoppedError(
+        f"The path of equilibria stopped after {len(points)} points at {where}: {error} (residual "
+        f"{error.residual:.2g}). The points so far are kept. Try a smaller `smallest`, smaller elements, or "
+        "less load.",
+        EquilibriumPath(tuple(points)), time=time, residual=error.residual,
+    )

@@ -1,0 +1,192 @@
+"""Newton's method for an equilibrium whose time is unknown too, in a plane across the path of equilibria.
+
+With forces G(x, t) and tangent K = ∂G/∂x, each iteration solves K a = -G and K b = -∂G/∂t, and goes on by
+(a + b δt, δt) with the δt that ends in the plane (Keller 1977). Where the path turns back in time K is
+singular, but states are never exactly there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..scene import Evaluation, NotConvergedError, Potential, Scene, SolveError, State
+from .buckling_path import BasePath
+from .memory import refuse_memory
+from .pattern import Pattern
+from .pivots import Factors
+from .rays import evaluations
+
+ITERATIONS = 10  # a path that needs more is followed by shorter arcs
+NUDGE = 2.0**-24  # of time, as a share of the scene's, for ∂G/∂t: errors of the order of 1e-8
+SHORTEST = 1e-3  # share of a Newton step that has to be admissible
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Displacement (2 n_nodes,) and time, and the fields that terms have left, to start from."""
+
+    x: Array
+    time: float
+    left: Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """Changes of displacement (2 n_nodes,) and of time per unit of arc."""
+
+    x: Array
+    time: float
+
+
+@dataclass(frozen=True, eq=False)
+class Balanced:
+    """An equilibrium, stable or not: its `negative` pivots, and the unit `tangent` of the path there."""
+
+    place: Place
+    state: State
+    energy: float
+    residual: float
+    negative: int
+    tangent: Direction
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Forces:
+    """Everything at one place: evaluations, forces on the free unknowns, and their relative size."""
+
+    place: Place
+    state: State
+    potentials: tuple[Potential, ...]
+    at: list[Evaluation]
+    slope: Array
+    residual: float
+
+
+class Corrector:
+    """Equilibria of a scene. Arcs: ds² = |dx|² / thickness² (mean over the nodes) + dt² / until²."""
+
+    def __init__(self, scene: Scene, until: float) -> None:
+        """Discretise the scene; raises ValueError if its states are more than functions of time."""
+        self.scene, self.until = scene, until
+        self.path = BasePath(scene)
+        refuse_memory(scene, self.path.start.state)
+        self.start = Place(self.path.start.x, 0.0, {})
+        self.free = self.path.gatherer.free
+        self._x_weight = 1.0 / (scene.body.nodes.shape[1] * scene.body.thickness**2)
+        self._time_weight = 1.0 / scene.until**2
+
+    def product(self, one: Direction, other: Direction) -> float:
+        """Return the scalar product that arcs are measured by."""
+        return float(self._x_weight * (one.x @ other.x) + self._time_weight * one.time * other.time)
+
+    def distance(self, one: Place, other: Place) -> float:
+        """Return the length of the chord between two places."""
+        chord = Direction(other.x - one.x, other.time - one.time)
+        return float(np.sqrt(self.product(chord, chord)))
+
+    def ahead(self, last: Balanced, arc: float) -> Place:
+        """Return the place at this arc along the tangent, within the times from 0 to the last one.
+
+        Raises NotConvergedError if it is not admissible.
+        """
+        place, tangent = last.place, last.tangent
+        beyond = place.time + arc * tangent.time
+        time = min(max(beyond, 0.0), self.until)
+        if time != beyond:
+            arc = (time - place.time) / tangent.time
+        move = arc * tangent.x
+        if self._longest(self._potentials(place.time, place.left)[1], place.x, move) < 1.0:
+            raise NotConvergedError("the path ahead is not admissible", time=place.time)
+        return Place(place.x + move, time, place.left)
+
+    def correct(self, guess: Place, across: Direction) -> Balanced:
+        """Return the equilibrium in the plane through `guess` across a direction.
+
+        Times stay between 0 and the last one: a path that leaves them ends there. Raises NotConvergedError
+        where Newton's method fails.
+        """
+        here = self._forces(guess)
+        for iteration in range(ITERATIONS + 1):
+            pattern, values = self.path.gatherer.gather([e.hessian(0.0) for e in here.at if e.curved])
+            factors = self.path.solver(pattern).factorize(values)
+            by_time = self._solved(pattern, values, factors, self._slope_by_time(here))
+            if iteration and here.residual <= self.scene.stepping.tolerance:
+                return self._balanced(here, by_time, factors.negative, across, iteration)
+            back = self._solved(pattern, values, factors, here.slope)
+            off = Direction(here.place.x - guess.x + back, here.place.time - guess.time)
+            change = -self.product(across, off) / self.product(across, Direction(by_time, 1.0))
+            time = min(max(here.place.time + change, 0.0), self.until)
+            change = time - here.place.time
+            here = self._moved(here, Direction(back + change * by_time, change))
+        raise NotConvergedError(
+            f"{ITERATIONS} iterations of the corrector were not enough", time=here.place.time,
+            residual=here.residual,
+        )
+
+    def _potentials(self, time: float, left: Mapping[str, Array]) -> tuple[State, tuple[Potential, ...]]:
+        state = self.path.processed(self.path.start.state, time).updated(**left)
+        return state, self.path.potentials(state, self.scene.until)
+
+    def _forces(self, place: Place) -> _Forces:
+        state, potentials = self._potentials(place.time, place.left)
+        at = evaluations(potentials, place.x)
+        left = {} if at is None else {k: v for p in potentials for k, v in p.finish(place.x).items()}
+        if left:  # what is inside the elements has settled: the tangent is to belong to that
+            place = Place(place.x, place.time, left)
+            state, potentials = self._potentials(place.time, left)
+            at = evaluations(potentials, place.x)
+        if at is None:
+            raise NotConvergedError("a state is not admissible", time=place.time)
+        parts = [e.gradient() for e in at]
+        slope = np.sum([g for g, _ in parts], axis=0)[self.free]
+        residual = float(np.linalg.norm(slope) / np.sqrt(sum(s for _, s in parts) or 1.0))
+        if not np.isfinite(residual):
+            raise NotConvergedError("the forces are not finite", time=place.time)
+        return _Forces(place, state, potentials, at, slope, residual)
+
+    def _slope_by_time(self, here: _Forces) -> Array:
+        """Return ∂G/∂t on the free unknowns; the difference is forward, as loads start at t = 0."""
+        nudge = NUDGE * self.scene.until
+        later = Place(here.place.x, here.place.time + nudge, here.place.left)
+        return (self._forces(later).slope - here.slope) / nudge
+
+    def _solved(self, pattern: Pattern, values: Array, factors: Factors, slope: Array) -> Array:
+        """Return -K⁻¹ slope, refined once as the pivots are not chosen, as (2 n_nodes,)."""
+        move = -factors.solve(slope)
+        move -= factors.solve(pattern.times(values, move) + slope)
+        whole = np.zeros(self.start.x.size)
+        whole[self.free] = move
+        return whole
+
+    def _moved(self, here: _Forces, change: Direction) -> _Forces:
+        """Return the forces after a Newton step, or the admissible part of one."""
+        place, step = here.place, self._longest(here.potentials, here.place.x, change.x)
+        while step > SHORTEST:
+            try:
+                time = place.time + step * change.time
+                return self._forces(Place(place.x + step * change.x, time, place.left))
+            except SolveError:
+                step *= 0.5
+        raise NotConvergedError("the corrector leaves the admissible states at once", time=place.time)
+
+    @staticmethod
+    def _longest(potentials: tuple[Potential, ...], x: Array, move: Array) -> float:
+        return min(potential.largest_step(x, move) for potential in potentials)
+
+    def _balanced(
+        self, here: _Forces, by_time: Array, negative: int, across: Direction, iterations: int
+    ) -> Balanced:
+        """Return the equilibrium with the path's tangent, on the side of `across`."""
+        tangent = Direction(by_time, 1.0)
+        size = np.sqrt(self.product(tangent, tangent))
+        size = -size if self.product(tangent, across) < 0 else size
+        displacement = here.place.x.reshape(-1, 2).T.copy()
+        return Balanced(
+            here.place, here.state.updated(displacement=displacement), sum(e.energy for e in here.at),
+            here.residual, negative, Direction(by_time / size, 1.0 / size), iterations,
+        )
