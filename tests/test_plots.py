@@ -1,12 +1,14 @@
 """Pictures: what is on the axes, in which units, and that every option draws."""
 
+import io
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from small import elastic_scene, folding_scene
 
 from turingfold import AxonalTension, half, plots, semicircle, simulate
-from turingfold.drawing import at_nodes, colour_limits, per_length, round_length, sulci
+from turingfold.drawing import at_nodes, colour_limits, compact, per_length, round_length, sulci
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +60,24 @@ def test_stresses_without_unit_are_shown_in_units_of_the_moduli(figure, field):
 
 def test_one_sulcus_is_not_several():
     assert [sulci(count) for count in (0, 1, 2)] == ["0 sulci", "1 sulcus", "2 sulci"]
+
+
+def test_a_compact_picture_is_a_third_as_large_and_looks_the_same(folded, figure):
+    from PIL import Image
+
+    plots.section(figure.add_subplot(), folded)
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=200)
+    before = file.getvalue()
+    after = compact(before)
+    assert len(after) < 0.5 * len(before)
+    seen = [Image.open(io.BytesIO(picture)) for picture in (before, after)]
+    assert seen[0].size == seen[1].size
+    assert seen[0].info["dpi"] == pytest.approx(seen[1].info["dpi"])
+    one, other = (np.asarray(image.convert("RGB"), dtype=float) for image in seen)
+    difference = np.abs(one - other).max(axis=2)
+    assert difference.mean() < 1.0  # of 255
+    assert np.percentile(difference, 99) < 16.0
 
 
 def test_an_unknown_field_is_refused(folded, figure):

@@ -1,7 +1,11 @@
-"""Pieces that pictures are made of: shaded layers, outlines, loads per length, limits of colours; mm."""
+"""Pieces that pictures are made of: shaded layers, outlines, loads per length, limits of colours; mm.
+
+A PNG is made smaller by `compact`.
+"""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -112,6 +116,21 @@ def frame(axes: Axes) -> None:
     """Give both axes the same scale and hide them."""
     axes.set_aspect("equal")
     axes.set_axis_off()
+
+
+def compact(picture: bytes) -> bytes:
+    """Return a PNG picture in the 256 colours that suit it best.
+
+    Shading makes tens of thousands of colours, which PNG hardly compresses; with 256 of them the file has a
+    third of its size, and no difference is seen.
+    """
+    from PIL import Image
+
+    made = io.BytesIO()
+    with Image.open(io.BytesIO(picture)) as image:
+        few = image.convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+        few.save(made, "png", optimize=True, dpi=image.info["dpi"])
+    return made.getvalue()
 
 
 def round_length(length: float) -> float:
