@@ -141,7 +141,9 @@ def loaded():
     return done.stdout.split()
 
 
-UNUSED = ("turing", "tension", "mechanics.contact", "mechanics.damping", "mechanics.dynamics", "output", "plots")
+UNUSED = (
+    "turing", "tension", "mechanics.contact", "mechanics.damping", "mechanics.dynamics", "output", "plots",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("absent", [*(f"turingfold.{name}" for name in UNUSED), *HEAVY])
