@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from .arrays import Array
 from .checks import finite, finite_array, positive
 
 LAST_DAY = 32.0
@@ -49,39 +51,45 @@ class Exponential:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Logistic:
-    """g = 1 + (final - 1) (s(t) - s(0))/(s(1) - s(0)), s = 1/(1 + exp(-steepness (t/duration - middle)))."""
+class _Curve(ABC):
+    """g = 1 + (final - 1) (s(t/duration) - s(0))/(s(1) - s(0)); parameters of s are positive, at most 100."""
 
     duration: float = 1.0
-    steepness: float = 10.0
-    middle: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("duration", "steepness", "middle"):
+        for name in (field.name for field in fields(self)):
             positive(name, getattr(self, name), at_most=float("inf") if name == "duration" else 100.0)
 
     def factor(self, final: float, time: float) -> float:
         """Return the growth factor at `time`."""
-        s = 1 / (1 + np.exp(-self.steepness * (np.array([0.0, time / self.duration, 1.0]) - self.middle)))
-        return float(1.0 + (final - 1.0) * (s[1] - s[0]) / (s[2] - s[0]))
+        start, now, end = self._at(np.array([0.0, time / self.duration, 1.0]))
+        return float(1.0 + (final - 1.0) * (now - start) / (end - start))
+
+    @abstractmethod
+    def _at(self, share: Array) -> Array:
+        """Return s at shares of the duration."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gompertz:
+class Logistic(_Curve):
+    """g = 1 + (final - 1) (s(t) - s(0))/(s(1) - s(0)), s = 1/(1 + exp(-steepness (t/duration - middle)))."""
+
+    steepness: float = 10.0
+    middle: float = 0.5
+
+    def _at(self, share: Array) -> Array:
+        return np.asarray(1 / (1 + np.exp(-self.steepness * (share - self.middle))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gompertz(_Curve):
     """g = 1 + (final - 1) (s(t) - s(0))/(s(1) - s(0)), s = exp(-delay exp(-steepness t/duration))."""
 
-    duration: float = 1.0
     steepness: float = 6.0
     delay: float = 6.0
 
-    def __post_init__(self) -> None:
-        for name in ("duration", "steepness", "delay"):
-            positive(name, getattr(self, name), at_most=float("inf") if name == "duration" else 100.0)
-
-    def factor(self, final: float, time: float) -> float:
-        """Return the growth factor at `time`."""
-        s = np.exp(-self.delay * np.exp(-self.steepness * np.array([0.0, time / self.duration, 1.0])))
-        return float(1.0 + (final - 1.0) * (s[1] - s[0]) / (s[2] - s[0]))
+    def _at(self, share: Array) -> Array:
+        return np.asarray(np.exp(-self.delay * np.exp(-self.steepness * share)))
 
 
 @dataclass(frozen=True, kw_only=True)
