@@ -18,7 +18,7 @@ LAYERS = (
     ("curve", "morphometry", "polygon", "triangles"),
     ("body",),
     ("geometry", "scene"),
-    ("histories", "imperfection", "outlines", "zones"),
+    ("histories", "imperfection", "outlines", "sweep", "zones"),
     ("growth", "tension", "turing"),
     ("swelling",),
     ("mechanics",),
@@ -29,6 +29,7 @@ LAYERS = (
     ("panels", "plots"),
     ("cli_case", "cli_figure", "cli_status"),
     ("cli_buckling", "cli_follow", "cli_run", "cli_tools"),
+    ("cli_sweep",),
     ("cli",),
     ("__main__",),
 )

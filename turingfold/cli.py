@@ -1,4 +1,4 @@
-"""The command line: turingfold run, list, draw, stability, buckling, compare.
+"""The command line: turingfold run, sweep, list, draw, animate, stability, buckling, compare.
 
 Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
 Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
@@ -60,13 +60,24 @@ def parser() -> argparse.ArgumentParser:
     stored.add_argument("--quick", action="store_true", help="the small version, kept apart")
     stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
 
-    run = commands.add_parser("run", parents=[stored, common], help="run a case, draw its figure")
-    run.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
-    there = run.add_mutually_exclusive_group()
+    running = argparse.ArgumentParser(add_help=False)
+    running.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    there = running.add_mutually_exclusive_group()
     there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
     there.add_argument("--overwrite", action="store_true", help="replace results that are there")
-    run.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time (1)")
-    run.set_defaults(command=_run)
+    running.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+
+    run = commands.add_parser("run", parents=[stored, running, common], help="run a case, draw its figure")
+    run.set_defaults(command=_run, vary=())
+
+    sweep = commands.add_parser(
+        "sweep", parents=[stored, running, common], help="run a case with other values of its parameters"
+    )
+    sweep.add_argument(
+        "--vary", action="append", required=True, type=_assignment, metavar="PART.NAME=VALUES",
+        help="such as TangentialGrowth.cortex=1.5:1.9:3, AxonalTension=on,off; more make all combinations",
+    )  # fmt: skip
+    sweep.set_defaults(command=_sweep)
 
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
     draw.set_defaults(command=_draw)
@@ -106,6 +117,13 @@ def _run(options: argparse.Namespace) -> int:
     from .cli_run import run
 
     return run(options)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from .cli_sweep import sweep
+
+    options.vary = tuple(options.vary)
+    return sweep(options)
 
 
 def _draw(options: argparse.Namespace) -> int:
@@ -159,6 +177,13 @@ def _at_least_one(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 1")
     return int(text)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    name, sign, values = text.partition("=")
+    if not (name and sign and values):
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form PART.NAME=VALUES")
+    return name, values
 
 
 def _figure(text: str) -> Path:

@@ -27,18 +27,24 @@ EXPECTED = (
     "Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
 )
 
+SIDE_BY_SIDE = 4  # variations in a row
+
 
 @dataclass(frozen=True)
 class Case:
-    """A case file that was read."""
+    """A case file that was read.
+
+    vary: values of parameters, as text, that its scenes are run with instead of their own.
+    """
 
     path: Path
     module: ModuleType
+    vary: tuple[tuple[str, str], ...] = ()
 
     @property
     def name(self) -> str:
         """Name of the file, which its results and its figure have too."""
-        return self.path.stem
+        return f"{self.path.stem}-sweep" if self.vary else self.path.stem
 
     @property
     def title(self) -> str:
@@ -72,15 +78,34 @@ class Case:
         folders = {folder_name(name) for name in found}
         if len(folders) < len(found):
             raise ValueError(f"{self.path}: scenes must differ in the letters of their names: {list(found)}.")
-        return {name: scene for name, scene in found.items() if not only or name in only}
+        chosen = {name: scene for name, scene in found.items() if not only or name in only}
+        return self._varied(chosen) if self.vary else chosen
+
+    def _varied(self, scenes: dict[str, Scene]) -> dict[str, Scene]:
+        from .sweep import read_values, varied
+
+        found = {}
+        for name, scene in scenes.items():
+            values = {parameter: read_values(text, scene, parameter) for parameter, text in self.vary}
+            for own, changed in varied(scene, values).items():
+                found[f"{name}, {own}" if len(scenes) > 1 else own] = changed
+        return found
 
     @property
     def draw(self) -> Callable[[dict[str, Result], Any], object] | None:
         """Its function that draws, if it has one."""
-        return getattr(self.module, "draw", None)
+        return _side_by_side if self.vary else getattr(self.module, "draw", None)
 
 
-def load_case(path: Path) -> Case:
+def _side_by_side(results: dict[str, Result], figure: Any) -> None:
+    """Draw the last state of each result, with its numbers."""
+    from .panels import grid
+
+    columns = min(len(results), SIDE_BY_SIDE)
+    grid(figure, {name: (result, -1) for name, result in results.items()}, columns=columns)
+
+
+def load_case(path: Path, vary: tuple[tuple[str, str], ...] = ()) -> Case:
     """Read a case file; raises ValueError if it is missing, has a mistake or has no scenes."""
     if not path.is_file():
         raise ValueError(f"there is no case file {path}; turingfold list names those in the folder cases.")
@@ -94,7 +119,7 @@ def load_case(path: Path) -> Case:
         spec.loader.exec_module(module)
     if not callable(getattr(module, "scenes", None)):
         raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
-    return Case(path, module)
+    return Case(path, module, vary)
 
 
 def find_cases(paths: Iterable[Path]) -> list[Path]:

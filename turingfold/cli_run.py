@@ -34,6 +34,7 @@ class Job:
     """A scene to run: where its case is and where its result goes."""
 
     case: Path
+    vary: tuple[tuple[str, str], ...]
     name: str
     quick: bool
     folder: Path
@@ -43,12 +44,12 @@ class Job:
 
 def run(options: argparse.Namespace) -> int:
     """Run the scenes, say what became of them, draw the figure; return the exit status."""
-    case = load_case(options.case)
+    case = load_case(options.case, options.vary)
     scenes = case.scenes(quick=options.quick, only=options.only or ())
     base = results_of(case, options)
     jobs = [
-        Job(options.case, name, options.quick, base / folder_name(name), options.resume, options.overwrite)
-        for name in scenes
+        Job(options.case, options.vary, name, options.quick, folder, options.resume, options.overwrite)
+        for name, folder in ((name, base / folder_name(name)) for name in scenes)
     ]
     _check_folders(jobs, scenes)
     with progress(scenes) as report:
@@ -66,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     if stopped:
         return STOPPED
     if case.draw is not None:
-        if missing := _without_result(case.scenes(quick=options.quick), base):
+        if missing := _without_result(_drawn(case, options), base):
             print(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
         else:
             print(f"figure: {draw(case, options)}")
@@ -108,16 +109,22 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
     if case.draw is None:
         raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
     base = results_of(case, options)
-    names = case.scenes(quick=options.quick)
+    names = _drawn(case, options)
     if missing := _without_result(names, base):
         which = "no results" if len(missing) == len(names) else f"no results of {', '.join(missing)}"
         command = run_command(options, missing if len(missing) < len(names) else ())
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: load(base / folder_name(name), known=case.known) for name in names}
-    path = figure_path(case.path, base, apart=options.quick or options.out is not None)
+    apart = bool(options.quick or options.out is not None or case.vary)
+    path = figure_path(case.path.with_stem(case.name), base, apart=apart)
     with explained(case.path), save_figure(path) as figure:
         case.draw(results, figure)
     return path
+
+
+def _drawn(case: Case, options: argparse.Namespace) -> dict[str, Scene]:
+    """Return the scenes that the figure shows: all of a case, the chosen ones of a sweep."""
+    return case.scenes(quick=options.quick, only=(options.only or ()) if case.vary else ())
 
 
 def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> dict[str, str]:
@@ -192,7 +199,7 @@ def _alone(job: Job) -> str:
         if any(halt.is_set() for halt in _halt):
             raise KeyboardInterrupt
 
-    scene = load_case(job.case).scenes(quick=job.quick, only=[job.name])[job.name]
+    scene = load_case(job.case, job.vary).scenes(quick=job.quick)[job.name]
     try:
         simulate(scene, job.folder, progress=heed, resume=job.resume, overwrite=job.overwrite)
     except SolveError as error:
