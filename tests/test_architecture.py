@@ -27,6 +27,7 @@ LAYERS = (
     ("run",),
     ("drawing",),
     ("panels", "plots"),
+    ("animation",),
     ("cli_case", "cli_figure", "cli_status"),
     ("cli_buckling", "cli_follow", "cli_run", "cli_tools"),
     ("cli_sweep",),

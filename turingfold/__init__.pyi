@@ -1,5 +1,6 @@
 from . import panels as panels
 from . import plots as plots
+from .animation import animate as animate
 from .body import Body as Body
 from .geometry import half as half
 from .geometry import semicircle as semicircle

@@ -82,6 +82,13 @@ def parser() -> argparse.ArgumentParser:
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
     draw.set_defaults(command=_draw)
 
+    film = commands.add_parser("animate", parents=[common], help="a film of a stored result")
+    film.add_argument("result", type=Path, metavar="FOLDER", help="of one scene's result")
+    film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
+    film.add_argument("--field", default="von_mises", metavar="NAME", help="von_mises, pressure or jacobian")
+    film.add_argument("--rate", type=_at_least_one, default=8, metavar="N", help="states per second (8)")
+    film.set_defaults(command=_animate)
+
     names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
     names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders")
     names.set_defaults(command=_list)
@@ -131,6 +138,15 @@ def _draw(options: argparse.Namespace) -> int:
     from .cli_run import draw
 
     print(f"figure: {draw(load_case(options.case), options)}")
+    return 0
+
+
+def _animate(options: argparse.Namespace) -> int:
+    from .animation import animate
+    from .results import load
+
+    file = options.figure or options.result / "film.gif"
+    print(f"film: {animate(load(options.result), file, field=options.field, rate=options.rate)}")
     return 0
 
 

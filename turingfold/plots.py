@@ -61,7 +61,7 @@ def section(
     body, state = result.scene.body, result.states[step]
     unit, label = _unit(result.scene, field)
     values = result.observe(step)[field] / unit
-    low, high = limits or colour_limits(values, body.quadrature.weights, centred=field != "von_mises")
+    low, high = limits or field_limits(result, step, field=field)
     colors = ScalarMappable(Normalize(low, high), "viridis" if field == "von_mises" else "cividis")
     for points in copies(body, body.nodes + state["displacement"]):
         for layer in (body.in_cortex, ~body.in_cortex):
@@ -75,6 +75,12 @@ def section(
         beyond = "max" if field == "von_mises" else "both"
         axes.figure.colorbar(colors, ax=axes, label=label, shrink=0.7, pad=0.02, extend=beyond)
     return colors
+
+
+def field_limits(result: Result, step: int = -1, *, field: str = "von_mises") -> tuple[float, float]:
+    """Return the limits of colours that show a field of a state; see `section`."""
+    values = result.observe(step)[field] / _unit(result.scene, field)[0]
+    return colour_limits(values, result.scene.body.quadrature.weights, centred=field != "von_mises")
 
 
 def outline(axes: Axes, body: Body, *, color: str = "white", label: str = "before folding") -> None:
@@ -176,11 +182,7 @@ def panels(
     The panel still lacks its title. One colour bar, of the von Mises stress, serves all.
     """
     grid = figure.subplots(rows, columns, squeeze=False)
-    stresses = [
-        (r.observe()["von_mises"] / stress_unit(r.scene)[0], r.scene.body.quadrature.weights)
-        for r in results.values()
-    ]
-    limits = 0.0, max(colour_limits(*stress, centred=False)[1] for stress in stresses)
+    limits = 0.0, max(field_limits(result)[1] for result in results.values())
     for axes, (name, result) in zip(grid.ravel(), results.items(), strict=True):
         colors = section(axes, result, bar=False, limits=limits)
         outline(axes, result.scene.body)
