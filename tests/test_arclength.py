@@ -173,6 +173,79 @@ def test_a_path_ends_where_it_is_told():
     assert len(equilibria(truss(), steps=3).points) == 4
 
 
+@dataclass(frozen=True)
+class Bent:
+    """A force at the last node that is piecewise linear in its displacement u, against a load of 3 t.
+
+    Its slope is `stiffness` below u = 1/stiffness and above u = 1.5/stiffness, and the opposite in between:
+    t = 1/3 and 1/6 are limit points, at corners of the path.
+    """
+
+    stiffness: float
+    reads = ()
+
+    def on(self, body):
+        return BentOperator(2 * body.nodes.shape[1], self.stiffness)
+
+
+@dataclass(frozen=True)
+class BentOperator:
+    n: int
+    stiffness: float
+    grounds = True
+
+    def __post_init__(self):
+        object.__setattr__(self, "places", np.arange(self.n))
+
+    def during(self, state, dt):
+        return BentPotential(self, 3 * state.time)
+
+
+@dataclass(frozen=True)
+class BentPotential(SimplePotential):
+    operator: BentOperator
+    load: float
+
+    def evaluate(self, x):
+        return BentEvaluation(self, x)
+
+
+class BentEvaluation:
+    curved, grain = True, 0.0
+
+    def __init__(self, potential, x):
+        self.potential, self.x, self.k = potential, x, potential.operator.stiffness
+        self.u = x[-1] * self.k
+        self.past = np.clip(self.u - 1, 0, None), np.clip(self.u - 1.5, 0, None)
+        one, other = self.past
+        self.energy = 0.5 * float(x[:-1] @ x[:-1]) - potential.load * x[-1]
+        self.energy += float(0.5 * self.u**2 - one**2 + other**2) / self.k
+
+    def gradient(self):
+        force = self.x.copy()
+        force[-1] = self.u - 2 * self.past[0] + 2 * self.past[1] - self.potential.load
+        return force, 1.0
+
+    def hessian(self, convexity):
+        values = np.ones(len(self.x))
+        values[-1] = -self.k if 1 < self.u < 1.5 else self.k
+        places = self.potential.operator.places
+        return Hessian(places, places, values, lasting=True)
+
+
+@pytest.mark.parametrize("stiffness", [0.3, 1.0, 3.0, 100.0])
+def test_a_path_with_corners_is_followed_around_them(stiffness):
+    """In arc lengths, u = 1/stiffness is 0.28/stiffness: the corners are turns by 0.7 to nearly π."""
+    path = equilibria(Scene(body=BODY, terms=(Bent(stiffness),)))
+    u = stiffness * np.array([point.state["displacement"][1, -1] for point in path.points])
+    force = u - 2 * np.clip(u - 1, 0, None) + 2 * np.clip(u - 1.5, 0, None)
+    assert (np.diff(u) > 0).all()
+    assert path.points[-1].time == 1.0
+    assert path.of("time") == pytest.approx(force / 3, abs=1e-8)
+    assert path.of("negative_pivots").tolist() == ((u > 1) & (u < 1.5)).astype(int).tolist()
+    assert path.limit_points == pytest.approx([1 / 3, 1 / 6], abs=1e-4)
+
+
 # growing bodies
 
 

@@ -23,7 +23,8 @@ from .factor import largest_growth
 
 AIM = 3.5  # iterations of the corrector
 TURN = 0.9  # cosine of the angle by which the path may turn in one step
-STRAY = 0.5  # a correction longer than this share of the arc has left the path
+STRAY = 0.5  # a correction longer than this share of the arc has left the path,
+CORNER = 10.0  # except at the smallest arcs, with which bends of the path are passed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -146,24 +147,27 @@ def _step(
     while True:
         try:
             found = _attempt(corrector, last, length, careful=length >= 2 * smallest)
-        except SolveError:
+        except SolveError as error:
             length *= 0.5
-            if length < smallest:
-                raise
-            continue
+            if length >= smallest:
+                continue
+            try:
+                found = corrector.around(last, smallest)
+            except SolveError:
+                raise error from None
         onward = length * min(max(AIM / found.iterations, 0.5), 2.0)
         covered = corrector.distance(last.place, found.place)
         return found, covered, min(max(onward, smallest), largest)
 
 
 def _attempt(corrector: Corrector, last: Balanced, length: float, careful: bool) -> Balanced:
-    """Return the equilibrium near the place ahead; careful: refuse it where the path turns too much."""
+    """Return the equilibrium near the place ahead; careful: refuse one far off, or a turn of the path."""
     guess, across = corrector.ahead(last, length), last.tangent
     if guess.time in (0.0, corrector.until):  # where the path ends: the time is known
         across = Direction(np.zeros_like(guess.x), across.time)
     found = corrector.correct(guess, across)
     time = found.place.time
-    if corrector.distance(guess, found.place) > STRAY * length:
+    if corrector.distance(guess, found.place) > (STRAY if careful else CORNER) * length:
         raise NotConvergedError("the corrector leaves the path", time=time)
     if careful and corrector.product(found.tangent, last.tangent) < TURN:
         raise NotConvergedError("the path turns too fast", time=time)

@@ -23,6 +23,7 @@ from .rays import evaluations
 ITERATIONS = 10  # a path that needs more is followed by shorter arcs
 NUDGE = 2.0**-24  # of time, as a share of the scene's, for ∂G/∂t: errors of the order of 1e-8
 SHORTEST = 1e-3  # share of a Newton step that has to be admissible
+TRIALS = 4  # parts of a Newton step, each half of the one before
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,15 @@ class _Forces:
     at: list[Evaluation]
     slope: Array
     residual: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Tangent:
+    """The tangent at one place, factorised."""
+
+    pattern: Pattern
+    values: Array
+    factors: Factors
 
 
 class Corrector:
@@ -112,12 +122,11 @@ class Corrector:
         """
         here = self._forces(guess)
         for iteration in range(ITERATIONS + 1):
-            pattern, values = self.path.gatherer.gather([e.hessian(0.0) for e in here.at if e.curved])
-            factors = self.path.solver(pattern).factorize(values)
-            by_time = self._solved(pattern, values, factors, self._slope_by_time(here))
+            tangent = self._tangent(here)
+            by_time = self._solved(tangent, self._slope_by_time(here))
             if iteration and here.residual <= self.scene.stepping.tolerance:
-                return self._balanced(here, by_time, factors.negative, across, iteration)
-            back = self._solved(pattern, values, factors, here.slope)
+                return self._balanced(here, by_time, tangent.factors.negative, across, iteration)
+            back = self._solved(tangent, here.slope)
             off = Direction(here.place.x - guess.x + back, here.place.time - guess.time)
             change = -self.product(across, off) / self.product(across, Direction(by_time, 1.0))
             time = min(max(here.place.time + change, 0.0), self.until)
@@ -127,6 +136,23 @@ class Corrector:
             f"{ITERATIONS} iterations of the corrector were not enough", time=here.place.time,
             residual=here.residual,
         )
+
+    def around(self, last: Balanced, arc: float) -> Balanced:
+        """Return an equilibrium beyond a corner of the path that lies less than an arc ahead.
+
+        A contact that changes its kind bends the forces, and may turn the path so sharply that planes across
+        it do not meet what follows: that goes back along the tangent of the bent forces, and the number of
+        negative pivots has changed. Raises NotConvergedError if there is no such corner.
+        """
+        there = self._forces(self.ahead(last, 2 * arc))
+        by_time = self._solved(self._tangent(there), self._slope_by_time(there))
+        way = self._unit(Direction(by_time, 1.0), last.tangent, -1.0)
+        place, length = last.place, 8 * arc
+        guess = Place(place.x + length * way.x, place.time + length * way.time, place.left)
+        found = self.correct(guess, way)
+        if found.negative == last.negative or self.distance(guess, found.place) > length:
+            raise NotConvergedError("the path has no corner here", time=place.time)
+        return found
 
     def _potentials(self, time: float, left: Mapping[str, Array]) -> tuple[State, tuple[Potential, ...]]:
         state = self.path.processed(self.path.start.state, time).updated(**left)
@@ -155,24 +181,38 @@ class Corrector:
         later = Place(here.place.x, here.place.time + nudge, here.place.left)
         return (self._forces(later).slope - here.slope) / nudge
 
-    def _solved(self, pattern: Pattern, values: Array, factors: Factors, slope: Array) -> Array:
+    def _tangent(self, here: _Forces) -> _Tangent:
+        pattern, values = self.path.gatherer.gather([e.hessian(0.0) for e in here.at if e.curved])
+        return _Tangent(pattern, values, self.path.solver(pattern).factorize(values))
+
+    def _solved(self, tangent: _Tangent, slope: Array) -> Array:
         """Return -K⁻¹ slope, refined once as the pivots are not chosen, as (2 n_nodes,)."""
-        move = -factors.solve(slope)
-        move -= factors.solve(pattern.times(values, move) + slope)
+        move = -tangent.factors.solve(slope)
+        move -= tangent.factors.solve(tangent.pattern.times(tangent.values, move) + slope)
         whole = np.zeros(self.start.x.size)
         whole[self.free] = move
         return whole
 
     def _moved(self, here: _Forces, change: Direction) -> _Forces:
-        """Return the forces after a Newton step, or the admissible part of one."""
+        """Return the forces after a Newton step, or the longest part of one that is admissible.
+
+        Shorter parts are tried for a smaller residual: where contacts change their kind the tangent jumps,
+        and full steps may go to and fro.
+        """
         place, step = here.place, self._longest(here.potentials, here.place.x, change.x)
-        while step > SHORTEST:
+        found: list[_Forces] = []
+        while step > SHORTEST and len(found) < TRIALS:
+            time = place.time + step * change.time
             try:
-                time = place.time + step * change.time
-                return self._forces(Place(place.x + step * change.x, time, place.left))
+                found.append(self._forces(Place(place.x + step * change.x, time, place.left)))
             except SolveError:
-                step *= 0.5
-        raise NotConvergedError("the corrector leaves the admissible states at once", time=place.time)
+                found = []
+            if found and found[-1].residual < here.residual:
+                return found[-1]
+            step *= 0.5
+        if not found:
+            raise NotConvergedError("the corrector leaves the admissible states at once", time=place.time)
+        return found[0]
 
     @staticmethod
     def _longest(potentials: tuple[Potential, ...], x: Array, move: Array) -> float:
@@ -182,11 +222,14 @@ class Corrector:
         self, here: _Forces, by_time: Array, negative: int, across: Direction, iterations: int
     ) -> Balanced:
         """Return the equilibrium with the path's tangent, on the side of `across`."""
-        tangent = Direction(by_time, 1.0)
-        size = np.sqrt(self.product(tangent, tangent))
-        size = -size if self.product(tangent, across) < 0 else size
         displacement = here.place.x.reshape(-1, 2).T.copy()
         return Balanced(
             here.place, here.state.updated(displacement=displacement), sum(e.energy for e in here.at),
-            here.residual, negative, Direction(by_time / size, 1.0 / size), iterations,
+            here.residual, negative, self._unit(Direction(by_time, 1.0), across, 1.0), iterations,
         )
+
+    def _unit(self, one: Direction, other: Direction, side: float) -> Direction:
+        """Return the direction with length 1, on the same side as another one (side 1) or against it (-1)."""
+        size = side * np.sqrt(self.product(one, one))
+        size = -size if self.product(one, other) < 0 else size
+        return Direction(one.x / size, one.time / size)
