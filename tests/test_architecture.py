@@ -15,7 +15,7 @@ PACKAGE = Path(turingfold.__file__).parent
 # from the bottom up; modules of one row do not know each other, except inside one folder
 LAYERS = (
     ("arrays", "checks"),
-    ("curve", "morphometry", "polygon", "triangles"),
+    ("curve", "morphometry", "polygon", "stepping", "triangles"),
     ("body",),
     ("geometry", "scene"),
     ("histories", "imperfection", "outlines", "sweep", "zones"),

@@ -5,7 +5,10 @@ from checks import dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csc_matrix, tril
+from small import elastic_scene
 
+from turingfold import Stepping, simulate, stepping
+from turingfold.mechanics import linear
 from turingfold.mechanics.linear import Cholmod, NotPositiveDefinite, SuperLu, solver_for
 from turingfold.mechanics.pattern import Gatherer, Pattern
 from turingfold.scene import Hessian
@@ -177,3 +180,25 @@ def test_the_fastest_installed_solver_is_taken(monkeypatch):
     pytest.importorskip("cvxopt")
     monkeypatch.undo()
     assert isinstance(solver_for(pattern), Cholmod)
+
+
+@pytest.mark.parametrize("solver", ["cholmod", "superlu"])
+def test_a_scene_names_its_solver(solver, monkeypatch):
+    if solver == "cholmod":
+        pytest.importorskip("cvxopt")
+    used = []
+    for kind in (Cholmod, SuperLu):
+        monkeypatch.setattr(linear, kind.__name__, lambda p, kind=kind: used.append(kind.__name__) or kind(p))
+    steps = Stepping(first=0.5, largest=0.5, solver=solver)
+    energy = simulate(elastic_scene(stepping=steps)).summary()["energy"]
+    assert {name.lower() for name in used} == {solver}
+    automatic = simulate(elastic_scene(stepping=Stepping(first=0.5, largest=0.5))).summary()["energy"]
+    assert energy == pytest.approx(automatic, rel=1e-10)
+
+
+def test_a_solver_that_is_missing_says_what_to_install(monkeypatch):
+    with pytest.raises(ValueError, match="solver='lapack'"):
+        Stepping(solver="lapack")
+    monkeypatch.setattr(stepping, "find_spec", lambda name: None)
+    with pytest.raises(ValueError, match=r"turingfold\[fast\]"):
+        Stepping(solver="cholmod")

@@ -65,7 +65,7 @@ from .scene import NotConvergedError as NotConvergedError
 from .scene import Scene as Scene
 from .scene import SolveError as SolveError
 from .scene import State as State
-from .scene import Stepping as Stepping
+from .stepping import Stepping as Stepping
 from .sweep import varied as varied
 from .swelling import SurfaceSwelling as SurfaceSwelling
 from .tension import AxonalTension as AxonalTension

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .drawing import compact
 from .output.files import write_whole
 
 if TYPE_CHECKING:
@@ -39,4 +40,5 @@ def save_figure(path: Path) -> Iterator[Figure]:
     yield figure
     content = io.BytesIO()
     figure.savefig(content, format=path.suffix[1:].lower(), dpi=RESOLUTION, facecolor="white")
-    write_whole(path, content.getvalue())
+    picture = content.getvalue()
+    write_whole(path, compact(picture) if path.suffix.lower() == ".png" else picture)

@@ -17,6 +17,7 @@ from pathlib import Path
 from .cli_case import Case, explained, folder_name, load_case
 from .cli_figure import figure_path, save_figure
 from .cli_status import STOPPED, complain, run_command
+from .drawing import sulci
 from .output.document import stored
 from .output.folder import check_folder
 from .output.history import read_history
@@ -243,7 +244,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         width = max(map(len, results), default=0)
         for name, s in summaries.items():
             yield (
-                f"{name:<{width}}  growth {s['growth']:.2f}  {s['folds']:>2} sulci  gyrification "
+                f"{name:<{width}}  growth {s['growth']:.2f}  {sulci(s['folds']):>9}  gyrification "
                 f"{s['gyrification_index']:.2f}  {_gyri(s['registration'])}  {s['steps']} steps, "
                 f"{s['seconds']:.0f} s{'' if s['converged'] else '  STOPPED EARLY'}"
             )
@@ -258,7 +259,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     unit, word = length_unit(results[name].scene.body)
     thickness = " (T: cortical thickness)" if word == "T" else ""
     deep = f", {s['sulcal_depth'] / unit:.2f} {word} deep on average{thickness}" if s["folds"] else ""
-    yield f"folds: {s['folds']} sulci{deep}; gyrification index {s['gyrification_index']:.2f}"
+    yield f"folds: {sulci(s['folds'])}{deep}; gyrification index {s['gyrification_index']:.2f}"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"

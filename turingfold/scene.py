@@ -16,6 +16,7 @@ from typing import Any, Protocol, runtime_checkable
 from .arrays import Array, Integers
 from .body import Body
 from .checks import instance, positive, whole
+from .stepping import Stepping as Stepping
 
 
 class SolveError(RuntimeError):
@@ -191,37 +192,6 @@ class Solid(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stepping:
-    """How the march chooses its steps, in units of the scene's time.
-
-    first, largest, smallest: step sizes as fractions of `until`. After a step that took at most a quarter of
-    the allowed iterations the next is 1.3 times longer, after one that took more than half 1.3 times shorter;
-    one that fails is halved and starts again from the untouched state.
-    tolerance: residual at which an equilibrium counts, relative to the forces that balance in it.
-    iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
-    """
-
-    first: float = 1 / 20
-    largest: float = 1 / 20
-    smallest: float = 1e-5
-    tolerance: float = 1e-8
-    iterations: int = 60
-    seconds: float = float("inf")
-
-    def __post_init__(self) -> None:
-        for name in ("first", "largest", "smallest", "tolerance"):
-            positive(name, getattr(self, name), at_most=1.0)
-        if not self.smallest <= self.first <= self.largest:
-            raise ValueError(
-                f"Stepping: smallest={self.smallest:g} <= first={self.first:g} <= largest={self.largest:g} "
-                "does not hold; put the three in this order."
-            )
-        whole("iterations", self.iterations, at_least=1)
-        if self.seconds != float("inf"):
-            positive("seconds", self.seconds, remedy="leave it out for no limit")
-
-
-@dataclass(frozen=True, kw_only=True)
 class Scene:
     """A body, the potential terms acting on it, and the processes that change it; only what is listed exists.
 
@@ -235,7 +205,7 @@ class Scene:
     processes: tuple[Process, ...] = ()
     until: float = 1.0
     seed: int = 0
-    stepping: Stepping = Stepping()
+    stepping: Stepping = field(default_factory=Stepping)
 
     def __post_init__(self) -> None:
         instance("body", self.body, Body, "semicircle(radius=0.04, thickness=0.0025, size=0.001)")

@@ -1,7 +1,9 @@
 """Solvers of sparse symmetric systems: CHOLMOD or SuperLU.
 
 CHOLMOD comes with the `fast` extra (cvxopt), SuperLU with scipy. A factorisation succeeds only if the matrix
-is positive definite: that is what certifies a stable equilibrium.
+is positive definite: that is what certifies a stable equilibrium. Multigrid is no match in two dimensions:
+pyamg's smoothed aggregation took 31 to 42 times CHOLMOD's time where SuperLU took 4 to 7 times it, at 16 000
+to 177 000 unknowns (tests/benchmarks/solvers.py).
 """
 
 from __future__ import annotations
@@ -81,6 +83,8 @@ class SuperLu:
         return self._factors.solve(b)
 
 
-def solver_for(pattern: Pattern) -> Solver:
-    """Return the fastest solver installed for the pattern."""
-    return Cholmod(pattern) if find_spec("cvxopt") else SuperLu(pattern)
+def solver_for(pattern: Pattern, name: str = "auto") -> Solver:
+    """Return a solver for the pattern: "cholmod", "superlu", or "auto", the faster one that is installed."""
+    if name == "superlu" or (name == "auto" and find_spec("cvxopt") is None):
+        return SuperLu(pattern)
+    return Cholmod(pattern)

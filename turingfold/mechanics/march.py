@@ -18,9 +18,9 @@ from ..scene import (
     Scene,
     SolveError,
     State,
-    Stepping,
     stress_scale,
 )
+from ..stepping import Stepping
 from .minimise import Equilibrium, Memory, Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 
@@ -107,9 +107,8 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     stepping, until = scene.stepping, scene.until
     started = perf_counter()
     operators, held = discretised(scene)
-    minimiser = Minimiser(
-        2 * scene.body.nodes.shape[1], held, stepping.tolerance, stepping.iterations, progress.memory
-    )
+    n_dofs, limits = 2 * scene.body.nodes.shape[1], (stepping.tolerance, stepping.iterations)
+    minimiser = Minimiser(n_dofs, held, *limits, progress.memory, stepping.solver)
     if progress.memory is not None and progress.memory.point is not None:
         last = progress.state.time - progress.past[-1].time
         minimiser.remember(acting(operators, progress.state, last), progress.memory.point)

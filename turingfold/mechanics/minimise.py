@@ -84,11 +84,18 @@ class Minimiser:
     """Minimises sums of potentials over the free degrees of freedom; keeps patterns and factorisations."""
 
     def __init__(
-        self, n_dofs: int, fixed: Integers, tolerance: float, iterations: int, memory: Memory | None = None
+        self,
+        n_dofs: int,
+        fixed: Integers,
+        tolerance: float,
+        iterations: int,
+        memory: Memory | None = None,
+        solver: str = "auto",
     ) -> None:
         self.gatherer = Gatherer(n_dofs, fixed, None if memory is None else memory.places)
         self.tolerance, self.iterations = tolerance, iterations
         self.effort = Effort()
+        self._kind = solver
         self._solver: Solver | None = None
         self._solver_pattern: object = None
         self._level = 0 if memory is None else memory.level
@@ -180,7 +187,7 @@ class Minimiser:
         pattern, values = self.gatherer.gather([e.hessian(convexity) for e in at if e.curved])
         begin = self.effort.add("tangents", begin)
         if pattern is not self._solver_pattern:
-            self._solver, self._solver_pattern = solver_for(pattern), pattern
+            self._solver, self._solver_pattern = solver_for(pattern, self._kind), pattern
             begin = self.effort.add("orderings", begin)
         assert self._solver is not None
         self.effort.factorizations += 1

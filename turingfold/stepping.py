@@ -1,0 +1,46 @@
+"""How a scene is marched through time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+from .checks import one_of, positive, whole
+
+SOLVERS = ("auto", "cholmod", "superlu")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stepping:
+    """How the march chooses its steps, in units of the scene's time.
+
+    first, largest, smallest: step sizes as fractions of `until`. After a step that took at most a quarter of
+    the allowed iterations the next is 1.3 times longer, after one that took more than half 1.3 times shorter;
+    one that fails is halved and starts again from the untouched state.
+    tolerance: residual at which an equilibrium counts, relative to the forces that balance in it.
+    iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
+    solver: of linear systems, "cholmod" (the extra `fast`), "superlu", or "auto", the faster one installed.
+    """
+
+    first: float = 1 / 20
+    largest: float = 1 / 20
+    smallest: float = 1e-5
+    tolerance: float = 1e-8
+    iterations: int = 60
+    seconds: float = float("inf")
+    solver: str = "auto"
+
+    def __post_init__(self) -> None:
+        for name in ("first", "largest", "smallest", "tolerance"):
+            positive(name, getattr(self, name), at_most=1.0)
+        if not self.smallest <= self.first <= self.largest:
+            raise ValueError(
+                f"Stepping: smallest={self.smallest:g} <= first={self.first:g} <= largest={self.largest:g} "
+                "does not hold; put the three in this order."
+            )
+        whole("iterations", self.iterations, at_least=1)
+        if self.seconds != float("inf"):
+            positive("seconds", self.seconds, remedy="leave it out for no limit")
+        one_of("solver", self.solver, SOLVERS)
+        if self.solver == "cholmod" and find_spec("cvxopt") is None:
+            raise ValueError("solver='cholmod' needs cvxopt: pip install 'turingfold[fast]', or drop it.")
