@@ -23,7 +23,7 @@ from .factor import largest_growth
 
 AIM = 3.5  # iterations of the corrector
 TURN = 0.9  # cosine of the angle by which the path may turn in one step
-STRAY = 0.5  # a correction longer than this share of the arc has left the path,
+STRAY = 0.25  # a correction longer than this share of the arc has left the path,
 CORNER = 10.0  # except at the smallest arcs, with which bends of the path are passed
 
 
@@ -166,11 +166,10 @@ def _attempt(corrector: Corrector, last: Balanced, length: float, careful: bool)
     if guess.time in (0.0, corrector.until):  # where the path ends: the time is known
         across = Direction(np.zeros_like(guess.x), across.time)
     found = corrector.correct(guess, across)
-    time = found.place.time
     if corrector.distance(guess, found.place) > (STRAY if careful else CORNER) * length:
-        raise NotConvergedError("the corrector leaves the path", time=time)
+        raise NotConvergedError("the corrector leaves the path", time=found.place.time)
     if careful and corrector.product(found.tangent, last.tangent) < TURN:
-        raise NotConvergedError("the path turns too fast", time=time)
+        raise NotConvergedError("the path turns too fast", time=found.place.time)
     return found
 
 

@@ -23,7 +23,6 @@ from .rays import evaluations
 ITERATIONS = 10  # a path that needs more is followed by shorter arcs
 NUDGE = 2.0**-24  # of time, as a share of the scene's, for ∂G/∂t: errors of the order of 1e-8
 SHORTEST = 1e-3  # share of a Newton step that has to be admissible
-TRIALS = 4  # parts of a Newton step, each half of the one before
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,25 +193,15 @@ class Corrector:
         return whole
 
     def _moved(self, here: _Forces, change: Direction) -> _Forces:
-        """Return the forces after a Newton step, or the longest part of one that is admissible.
-
-        Shorter parts are tried for a smaller residual: where contacts change their kind the tangent jumps,
-        and full steps may go to and fro.
-        """
+        """Return the forces after a Newton step, or the admissible part of one."""
         place, step = here.place, self._longest(here.potentials, here.place.x, change.x)
-        found: list[_Forces] = []
-        while step > SHORTEST and len(found) < TRIALS:
+        while step > SHORTEST:
             time = place.time + step * change.time
             try:
-                found.append(self._forces(Place(place.x + step * change.x, time, place.left)))
+                return self._forces(Place(place.x + step * change.x, time, place.left))
             except SolveError:
-                found = []
-            if found and found[-1].residual < here.residual:
-                return found[-1]
-            step *= 0.5
-        if not found:
-            raise NotConvergedError("the corrector leaves the admissible states at once", time=place.time)
-        return found[0]
+                step *= 0.5
+        raise NotConvergedError("the corrector leaves the admissible states at once", time=place.time)
 
     @staticmethod
     def _longest(potentials: tuple[Potential, ...], x: Array, move: Array) -> float:
