@@ -122,8 +122,8 @@ class Minimiser:
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
         x, at = _lowest(potentials, x, guess)
-        kept, self._tangent = self._tangent, None  # the one that certified the last equilibrium
-        tangent, before = kept, float("inf")
+        tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
+        origin, before = None if tangent is None else tangent.point, float("inf")
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             slope, residual = self._slope(at)
@@ -131,7 +131,7 @@ class Minimiser:
             if not np.isfinite(residual):
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance:
-                negative = self._certified(at, x, kept, tangent)
+                negative = self._certified(at, x, origin, tangent)
                 return Equilibrium(x, sum(e.energy for e in at), residual, negative)
             if iteration == self.iterations:
                 break
@@ -166,12 +166,12 @@ class Minimiser:
         self.effort.add("factorisations", begin)
         return direction
 
-    def _certified(self, at: list[Evaluation], x: Array, before: System | None, last: System | None) -> int:
+    def _certified(self, at: list[Evaluation], x: Array, origin: Array | None, last: System | None) -> int:
         """Keep the tangent if it is positive definite; return the number of its negative pivots.
 
-        The last true tangent speaks for x if it was made within NEAR of the way from the one kept before.
+        The last true tangent speaks for x if it was made within NEAR of the way from the last such place.
         """
-        if last is not before and self._level == 0 and _nearer(x, last, before):
+        if last is not None and self._level == 0 and _nearer(x, last.point, origin):
             self._tangent = last
             return 0
         found = self._factorized(at, x, 0.0)
@@ -230,11 +230,9 @@ class Minimiser:
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
 
 
-def _nearer(x: Array, last: System | None, before: System | None) -> bool:
-    """Return whether the last tangent was made much nearer to x than the one before."""
-    if last is None or before is None:
-        return False
-    return bool(np.linalg.norm(x - last.point) <= NEAR * np.linalg.norm(x - before.point))
+def _nearer(x: Array, point: Array, origin: Array | None) -> bool:
+    """Return whether a point lies much nearer to x than the origin does."""
+    return origin is not None and bool(np.linalg.norm(x - point) < NEAR * np.linalg.norm(x - origin))
 
 
 def _lowest(
