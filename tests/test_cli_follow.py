@@ -1,13 +1,14 @@
 """turingfold buckling --follow: paths through limit points as CSV and as a bifurcation diagram."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from turingfold.cli import main
-from turingfold.cli_follow import diagram, measured
+from turingfold.cli_follow import diagram, measured, write_path
 from turingfold.geometry import half, semicircle
 from turingfold.mechanics.arclength import EquilibriumPath, PathPoint
 from turingfold.scene import State
@@ -86,7 +87,26 @@ def test_normal_displacement_is_that_of_the_pial_surface(halved):
     path = path_of(body, [0.0, 0.5], [0.0, -0.1], [0, 0], [1.0, 1.0])
     found = measured(body, path)
     assert found["normal_displacement"] == pytest.approx([0.0, 0.2], rel=1e-3)
+    assert found["fold_amplitude"] == pytest.approx([0.0, 0.0], abs=1e-4)
     assert found["sulcal_depth"].tolist() == [0.0, 0.0]
+
+
+def test_fold_amplitude_leaves_out_what_moves_as_a_whole():
+    """Of 0.3 + 0.1 cos 8θ the mean square about the mean is 0.1²/2."""
+    body = semicircle(radius=2.0, thickness=0.4, size=0.1)
+    angle = np.arctan2(body.nodes[1], body.nodes[0])
+    outward = (0.3 + 0.1 * np.cos(8 * angle)) * np.stack([np.cos(angle), np.sin(angle)])
+    point = path_of(body, [0.5], [0.0], [0], [1.0]).points[0]
+    path = EquilibriumPath((replace(point, state=State(0.5, {"displacement": outward})),))
+    found = measured(body, path)
+    assert found["fold_amplitude"] == pytest.approx([0.1 / np.sqrt(2)], rel=1e-3)
+    assert found["normal_displacement"] == pytest.approx([0.4], rel=1e-3)
+
+
+def test_a_path_without_a_point_is_an_empty_table(tmp_path):
+    body = semicircle(radius=2.0, thickness=0.4, size=0.4)
+    write_path(tmp_path / "none.csv", body, EquilibriumPath(()))
+    assert rows(tmp_path / "none.csv") == []
 
 
 def test_unstable_pieces_are_dashed_and_turns_marked():

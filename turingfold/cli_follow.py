@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from .scene import Scene, SolveError
 
 NUMBERS = ("time", "growth", "energy", "negative_pivots", "arc", "rate", "residual")
-MEASURED = ("sulcal_depth", "normal_displacement")
+MEASURED = ("sulcal_depth", "normal_displacement", "fold_amplitude")
 COLOR = "#0072b2"
 
 
 def follow(options: argparse.Namespace) -> str:
     """Return the limit points of each scene of a case as a table; write its path as CSV and draw them.
 
-    <folder>/<scene>.csv: a row per equilibrium; lengths in m.  <folder>/<case>.png: the folds' amplitude
+    <folder>/<scene>.csv: a row per equilibrium; lengths in m.  <folder>/<case>.png: the amplitude of folds
     against growth, unstable states dashed.
     Terms that resist motion are left out: equilibria have none. Where a path stops, what was found is
     written all the same, and the error is raised at the end.
@@ -59,14 +59,24 @@ def follow(options: argparse.Namespace) -> str:
 
 
 def measured(body: Body, path: EquilibriumPath) -> dict[str, Array]:
-    """Return mean sulcal depth and largest normal displacement of the pial surface at each point, m."""
-    normal = body.pial_curve.nearest(body.nodes[:, body.pial])[1][::-1] * np.array([[1.0], [-1.0]])
+    """Return measures of the pial surface at each point, m.
+
+    Mean sulcal depth; largest displacement along its normal at rest; root mean square of that displacement
+    about its mean along the surface, which separates branches that differ in one fold.
+    """
+    curve = body.pial_curve
+    normal = curve.nearest(body.nodes[:, body.pial])[1][::-1] * np.array([[1.0], [-1.0]])
     moves = [point.state["displacement"][:, body.pial] for point in path.points]
     shapes = [along_pial(body, body.nodes[:, body.pial] + move) for move in moves]
+    outward = np.array([(normal * move).sum(0) for move in moves]).reshape(len(moves), len(body.pial))
+    share = np.gradient(body.pial_arc)  # of the surface, that belongs to each node
+    share /= share.sum()
+    about = outward - (outward @ share)[:, None]
     closed = pial_closed(body)
     return {
         "sulcal_depth": np.array([sulcal_depth(shape, closed=closed) for shape in shapes]),
-        "normal_displacement": np.array([np.abs((normal * move).sum(0)).max() for move in moves]),
+        "normal_displacement": np.abs(outward).max(axis=1),
+        "fold_amplitude": np.sqrt(about**2 @ share),
     }
 
 
@@ -80,13 +90,13 @@ def write_path(file: Path, body: Body, path: EquilibriumPath) -> None:
 
 
 def diagram(axes: Axes, body: Body, path: EquilibriumPath) -> None:
-    """Draw the largest normal displacement of the pial surface against growth, or time without growth.
+    """Draw the amplitude of folds against growth, or time without growth.
 
     Unstable states are dashed, limit points marked; the path has at least two points.
     """
     size, unit = length_unit(body)
     name = "growth" if np.ptp(path.of("growth")) > 0 else "time"
-    load, amplitude = path.of(name), measured(body, path)["normal_displacement"] / size
+    load, amplitude = path.of(name), measured(body, path)["fold_amplitude"] / size
     stable = path.stable[1:] & path.stable[:-1]  # of the pieces between points
     ends = [0, *(np.flatnonzero(np.diff(stable)) + 1).tolist(), len(stable)]
     for first, last in pairwise(ends):  # as one line each, or dashes would not show on short pieces
@@ -96,7 +106,7 @@ def diagram(axes: Axes, body: Body, path: EquilibriumPath) -> None:
     turns = np.flatnonzero(rate[1:] * rate[:-1] < 0) + 1
     axes.plot(load[turns], amplitude[turns], "o", color="#d55e00", markersize=4)
     axes.set_xlabel(name)
-    axes.set_ylabel(f"largest normal displacement ({unit})")
+    axes.set_ylabel(f"fold amplitude ({unit})")
 
 
 def _table(paths: dict[str, EquilibriumPath]) -> list[str]:
