@@ -373,10 +373,19 @@ def test_a_path_stops_at_the_time_limit():
         equilibria(scene)
 
 
-def test_a_start_that_has_no_equilibrium_is_an_error():
-    scene = replace(growing(), stepping=Stepping(tolerance=1e-30))
-    with pytest.raises(PathStoppedError, match="after 0 points"):
+@pytest.mark.parametrize(
+    ("scene", "why"),
+    [
+        (replace(growing(), stepping=Stepping(tolerance=1e-30)), "iterations"),  # below round-off
+        (Scene(body=BODY, terms=(Bent(-1.0),)), "unstable"),
+    ],
+    ids=["not balanced", "unstable"],
+)
+def test_a_start_that_is_no_stable_equilibrium_is_an_error(scene, why):
+    with pytest.raises(PathStoppedError) as caught:
         equilibria(scene)
+    message_names(caught.value, "after 0 points", why)
+    assert caught.value.path.points == ()
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,8 @@ def measured(body: Body, path: EquilibriumPath) -> dict[str, Array]:
     moves = [point.state["displacement"][:, body.pial] for point in path.points]
     shapes = [along_pial(body, body.nodes[:, body.pial] + move) for move in moves]
     outward = np.array([(normal * move).sum(0) for move in moves]).reshape(len(moves), len(body.pial))
-    share = np.gradient(body.pial_arc)  # of the surface, that belongs to each node
+    arc = body.pial_arc
+    share = np.diff(arc, prepend=arc[0]) + np.diff(arc, append=arc[-1])  # of the surface, of each node
     share /= share.sum()
     about = outward - (outward @ share)[:, None]
     closed = pial_closed(body)

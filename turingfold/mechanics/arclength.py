@@ -93,7 +93,7 @@ def equilibria(
     """Return the equilibria that are connected with the scene's start, through limit points.
 
     The load is the scene's time. Arcs are measured by ds² = |du|²/thickness² (mean over the nodes) +
-    dt²/scene.until².
+    dt²/scene.until². Without SelfContact walls may pass through each other.
     arc: length of the first step; later ones aim at three or four iterations of the corrector each.
     smallest, largest: bounds of the steps, in units of the first.  steps: most points after the start.
     until: time at which to stop, the scene's end by default; the path also stops where it returns to t = 0.
@@ -110,8 +110,9 @@ def equilibria(
     end = scene.until if until is None else positive("until", until, at_most=scene.until)
     if start is None and backward:
         raise ValueError("backward=True needs a start, such as path.points[-1]: nothing comes before t = 0.")
-    began, corrector = perf_counter(), Corrector(scene, end)
+    began = perf_counter()
     try:
+        corrector = Corrector(scene, end)
         last = _first(corrector, start, backward)
     except SolveError as error:
         raise _stopped([], error) from error
