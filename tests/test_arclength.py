@@ -399,3 +399,11 @@ def test_a_start_that_is_no_stable_equilibrium_is_an_error(scene, why):
 def test_bad_options(options):
     with pytest.raises(ValueError, match=next(iter(options))):
         equilibria(truss(), **options)
+
+
+def test_bad_start():
+    path = equilibria(truss(), steps=3)
+    with pytest.raises(ValueError, match="PathPoint"):
+        equilibria(truss(), start=path)
+    with pytest.raises(ValueError, match="beyond until"):
+        equilibria(truss(), start=path.points[-1], until=0.5 * path.points[-1].time)

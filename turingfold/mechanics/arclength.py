@@ -110,6 +110,10 @@ def equilibria(
     end = scene.until if until is None else positive("until", until, at_most=scene.until)
     if start is None and backward:
         raise ValueError("backward=True needs a start, such as path.points[-1]: nothing comes before t = 0.")
+    if start is not None:
+        instance("start", start, PathPoint, "path.points[-1]")
+        if start.time > end:
+            raise ValueError(f"start is at t = {start.time:g}, beyond until={end:g}; give a later `until`.")
     began = perf_counter()
     try:
         corrector = Corrector(scene, end)
