@@ -63,7 +63,7 @@ def vibration(scheme, base, number, dt, steps, *, alpha=0.0, beta=0.0):
     omega, shape = mode(body, number)
     terms = [SOLID, Inertia(density=1.0, scheme=scheme)]
     if alpha:
-        terms.append(Drag(coefficient=alpha))
+        terms.append(Drag(coefficient=alpha, scheme=scheme))
     if beta:
         terms.append(StiffnessDamping(elastic=SOLID, time=beta, scheme=scheme))
     start = SMALL * shape.reshape(-1, 2).T
@@ -100,11 +100,12 @@ def test_a_mode_decays_as_the_scheme_says(scheme, base, number):
     assert np.abs(found - expected).max() < 10 * SMALL
 
 
-def test_rayleigh_adds_mass_and_stiffness():
+@pytest.mark.parametrize("scheme", ["euler", "midpoint"])
+def test_rayleigh_adds_mass_and_stiffness(scheme):
     omega, _ = mode(disc("clamped"), 0)
     alpha, beta = 0.2 * omega, 0.3 / omega
-    _, found = vibration("euler", "clamped", 0, 0.3, 12, alpha=alpha, beta=beta)
-    expected = exact("euler", root(omega, alpha, beta), 0.3 / omega, 13)
+    _, found = vibration(scheme, "clamped", 0, 0.3, 12, alpha=alpha, beta=beta)
+    expected = exact(scheme, root(omega, alpha, beta), 0.3 / omega, 13)
     assert np.abs(found - expected).max() < 10 * SMALL
 
 
@@ -220,3 +221,9 @@ def test_bad_solid_and_scheme():
         StiffnessDamping(elastic=GRAY, time=1.0)
     with pytest.raises(ValueError, match="'euler', 'midpoint'"):
         StiffnessDamping(elastic=SOLID, time=1.0, scheme="leapfrog")
+
+
+def test_forces_balance_at_one_time():
+    terms = (SOLID, Inertia(density=1.0, scheme="midpoint"), Drag(coefficient=1.0))
+    with pytest.raises(ValueError, match="euler and midpoint"):
+        Scene(body=disc(), terms=terms)

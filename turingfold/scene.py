@@ -191,6 +191,15 @@ class Solid(Protocol):
         """Return shear and bulk modulus at the integration points, each (q, e); Pa."""
 
 
+@runtime_checkable
+class Timed(Protocol):
+    """A term that resists motion, by the scheme that says at what time of a step forces balance."""
+
+    @property
+    def scheme(self) -> str:
+        """The scheme, "euler" for the end and "midpoint" for the middle of the step."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """A body, the potential terms acting on it, and the processes that change it; only what is listed exists.
@@ -217,6 +226,7 @@ class Scene:
         if not self.terms:
             raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")
         _distinct(self.terms)
+        _at_one_time(self.terms)
         written = {"displacement", "stress_scale"}
         for part in self.processes:
             _written(part, part.reads, written)
@@ -253,6 +263,15 @@ def _distinct(terms: tuple[Term, ...]) -> None:
                 f"terms holds two {type(other).__name__}, {one!r} and {other!r}, and both would count; leave "
                 "one of the two out (a class of loads that may differ derives from turingfold.scene.Load)."
             )
+
+
+def _at_one_time(terms: tuple[Term, ...]) -> None:
+    schemes = {term.scheme for term in terms if isinstance(term, Timed)}
+    if len(schemes) > 1:
+        raise ValueError(
+            f"terms have different schemes, {' and '.join(sorted(schemes))}, but forces balance at one time; "
+            "give Inertia, Drag and StiffnessDamping the same scheme."
+        )
 
 
 def _written(part: object, reads: tuple[str, ...], written: set[str]) -> None:

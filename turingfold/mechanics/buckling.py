@@ -21,6 +21,7 @@ from ..scene import NotConvergedError, Scene, SolveError, State
 from .buckling_path import BasePath, BaseState
 from .factor import largest_growth
 from .march import Progress
+from .memory import resists_motion
 from .pivots import negative_pivots as negative_pivots
 
 VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
@@ -70,8 +71,8 @@ def buckling(scene: Scene) -> Buckling:
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
     path = BasePath(scene)
-    for term, operator in zip(scene.terms, path.operators, strict=True):
-        if operator.grounds:
+    for term in scene.terms:
+        if resists_motion(term):
             raise ValueError(
                 f"terms holds {term!r}, which resists motion and hides the loss of stability; leave it out."
             )

@@ -46,12 +46,15 @@ class Drag:
     """Force per volume against the velocity, c ∂u/∂t; it carries quasi-static paths through instabilities.
 
     coefficient c in Pa·s/m² (with a dimensionless time: in Pa/m²).
+    scheme: that of the scene's Inertia; with "midpoint" forces balance after half of the step.
     """
 
     coefficient: float
+    scheme: str = "euler"
 
     def __post_init__(self) -> None:
         positive("coefficient", self.coefficient, remedy="leave Drag out for none")
+        one_of("scheme", self.scheme, SCHEMES)
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -60,7 +63,7 @@ class Drag:
 
     def on(self, body: Body) -> DragOperator:
         """Return the term discretised on `body`."""
-        return DragOperator(Mass(body, self.coefficient))
+        return DragOperator(Mass(body, self.coefficient), 1.0 if self.scheme == "euler" else 0.5)
 
 
 class Mass:
@@ -150,16 +153,16 @@ class InertiaPotential(_TowardsTarget):
 
 
 class DragOperator:
-    """Drag on one body."""
+    """Drag on one body; forces balance at the share `reach` of the step, 1 (end) or 1/2 (middle)."""
 
     grounds = True
 
-    def __init__(self, mass: Mass) -> None:
-        self.mass = mass
+    def __init__(self, mass: Mass, reach: float) -> None:
+        self.mass, self.reach = mass, reach
 
     def during(self, state: State, dt: float) -> DragPotential:
         """Return the potential of one step."""
-        return DragPotential(self.mass, by_node(state["displacement"]), dt)
+        return DragPotential(self.mass, by_node(state["displacement"]), self.reach * dt)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ SAME = 1e-6  # relative difference of fields that counts as none
 
 def at_rest(scene: Scene) -> Scene:
     """Return the scene without the terms that resist motion, such as inertia and drag."""
-    kept = tuple(term for term in scene.terms if not _looks_back(term))
+    kept = tuple(term for term in scene.terms if not resists_motion(term))
     return scene if len(kept) == len(scene.terms) else replace(scene, terms=kept)
 
 
@@ -26,12 +26,12 @@ def refuse_memory(scene: Scene, start: State) -> None:
     two.
     """
     for term in scene.terms:
-        if _looks_back(term):
+        if resists_motion(term):
             raise ValueError(
                 f"terms holds {term!r}, which reads the displacement before a step: it resists motion, and a "
                 "path of equilibria has none. Leave it out."
             )
-    looking = [process for process in scene.processes if _looks_back(process)]
+    looking = [process for process in scene.processes if resists_motion(process)]
     changed = () if looking else _changed_by_stepping(scene, start)
     for process in scene.processes:
         if process in looking or any(name in changed for name in process.writes):
@@ -41,7 +41,7 @@ def refuse_memory(scene: Scene, start: State) -> None:
             )
 
 
-def _looks_back(part: Process | Term) -> bool:
+def resists_motion(part: Process | Term) -> bool:
     """Return whether a part reads the last equilibrium."""
     return "displacement" in part.reads
 
