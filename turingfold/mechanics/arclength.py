@@ -166,7 +166,12 @@ def _step(
 
 
 def _attempt(corrector: Corrector, last: Balanced, length: float, careful: bool) -> Balanced:
-    """Return the equilibrium near the place ahead; careful: refuse one far off, or a turn of the path."""
+    """Return the equilibrium near the place ahead; careful: refuse one far off, or a turn of the path.
+
+    Where the number of negative pivots changes by one the path turns back in time, or another one branches
+    off. A turn so sharp that the tangent before and after are nearly the same line is told from a branch by
+    small arcs only.
+    """
     guess, across = corrector.ahead(last, length), last.tangent
     if guess.time in (0.0, corrector.until):  # where the path ends: the time is known
         across = Direction(np.zeros_like(guess.x), across.time)
@@ -175,6 +180,13 @@ def _attempt(corrector: Corrector, last: Balanced, length: float, careful: bool)
         raise NotConvergedError("the corrector leaves the path", time=found.place.time)
     if careful and corrector.product(found.tangent, last.tangent) < TURN:
         raise NotConvergedError("the path turns too fast", time=found.place.time)
+    if (found.negative - last.negative) % 2 and found.tangent.time * last.tangent.time > 0:
+        if careful:
+            raise NotConvergedError("the path may have turned back", time=found.place.time)
+        try:
+            return corrector.around(last, length)
+        except SolveError:  # there is no turn: it is a branch
+            return found
     return found
 
 
