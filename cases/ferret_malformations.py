@@ -3,15 +3,19 @@
     turingfold run cases/ferret_malformations.py      draws figures/ferret_malformations.png
 
 Dimensionless: radius 1, shear modulus 1, bulk modulus 5, cortex T = 0.1 that grows at the rate 1.9 and thins
-to
-T (1 - t/2), as in the public code of Choi et al. 2025; a half disc that slides on its base. P32 is t = 0.44,
-where the cortex has grown by e^{0.84} = 2.3 along its surface.
+to T (1 - t/2), as in the public code of Choi et al. 2025; a half disc that slides on its base. P32 is
+t = 0.44, where the cortex has grown by e^{0.84} = 2.3 along its surface.
 
 PMG: T/4. Thick: 2 T. SCN3A: T/4 in a window of the surface. ASPM: a quarter of the rate. TMEM161B: three
 quarters of the rate and 1.5 T. Cdk5: three quarters of the rate at normal thickness: the source gives only
 "shallow sulci", and neurons that do not reach the upper layers expand the cortex less while its folds keep
-their spacing.
-ARHGAP11B: 15 % more tangential and also radial growth, at the rate 0.6.
+their spacing. ARHGAP11B: 15 % more tangential and also radial growth, at the rate 0.6.
+
+Over the seeds 0, 1 and 2 normal has 8 sulci, PMG 32 to 35, thick 3 or 4, Cdk5 7 or 8 of 0.7 times the depth,
+ASPM none, SCN3A 5 to 7 in its window instead of 2 or 3. The sulci of TMEM161B are shallow for their cortex
+(1.0 to 1.3 of its thickness; normal: 1.8 to 1.9) and for their gyri, not in length (1.5 to 1.9 normal T):
+folds 1.5 times as far apart take up the excess surface, (e^{0.63} - 1)/(e^{0.84} - 1) = 2/3 of the normal, at
+the same depth.
 """
 
 from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels, semicircle
