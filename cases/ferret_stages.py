@@ -1,4 +1,4 @@
-"""Ferret, development in stages: each starts free of stress from the shape the one before reached. About 40 s.
+"""Ferret, development in stages: each starts free of stress from the shape reached before. About 40 s.
 
     turingfold run cases/ferret_stages.py      draws figures/ferret_stages.png
 
