@@ -25,7 +25,7 @@ LAYERS = (
     ("output",),
     ("results",),
     ("run",),
-    ("drawing",),
+    ("diagram", "drawing"),
     ("panels", "plots"),
     ("animation",),
     ("cli_case", "cli_figure", "cli_status"),

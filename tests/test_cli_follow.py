@@ -8,7 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from turingfold.cli import main
-from turingfold.cli_follow import diagram, measured, write_path
+from turingfold.cli_follow import write_path
+from turingfold.diagram import bifurcation_diagram, pial_measures
 from turingfold.geometry import half, semicircle
 from turingfold.mechanics.arclength import EquilibriumPath, PathPoint
 from turingfold.scene import State
@@ -85,7 +86,7 @@ def test_normal_displacement_is_that_of_the_pial_surface(halved):
     body = semicircle(radius=2.0, thickness=0.4, size=0.2)
     body = half(body) if halved else body
     path = path_of(body, [0.0, 0.5], [0.0, -0.1], [0, 0], [1.0, 1.0])
-    found = measured(body, path)
+    found = pial_measures(body, [point.state["displacement"] for point in path.points])
     assert found["normal_displacement"] == pytest.approx([0.0, 0.2], rel=1e-3)
     assert found["fold_amplitude"] == pytest.approx([0.0, 0.0], abs=1e-4)
     assert found["sulcal_depth"].tolist() == [0.0, 0.0]
@@ -98,7 +99,7 @@ def test_fold_amplitude_leaves_out_what_moves_as_a_whole():
     outward = (0.3 + 0.1 * np.cos(8 * angle)) * np.stack([np.cos(angle), np.sin(angle)])
     point = path_of(body, [0.5], [0.0], [0], [1.0]).points[0]
     path = EquilibriumPath((replace(point, state=State(0.5, {"displacement": outward})),))
-    found = measured(body, path)
+    found = pial_measures(body, [point.state["displacement"] for point in path.points])
     assert found["fold_amplitude"] == pytest.approx([0.1 / np.sqrt(2)], rel=1e-3)
     assert found["normal_displacement"] == pytest.approx([0.4], rel=1e-3)
 
@@ -113,7 +114,7 @@ def test_unstable_pieces_are_dashed_and_turns_marked():
     body = semicircle(radius=2.0, thickness=0.4, size=0.4)
     times, pivots, rates = [0.0, 0.4, 0.5, 0.45, 0.3, 0.4], [0, 0, 0, 1, 1, 0], [1, 1, 0.1, -0.3, -0.1, 1]
     axes = Figure().add_subplot()
-    diagram(axes, body, path_of(body, times, np.linspace(0, 0.1, 6), pivots, rates))
+    bifurcation_diagram(axes, body, path_of(body, times, np.linspace(0, 0.1, 6), pivots, rates))
     first, second, turns = axes.get_lines()
     assert first.get_linestyle() == "-"
     assert first.get_xdata() == pytest.approx([1.0, 1.4, 1.5])

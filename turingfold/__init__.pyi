@@ -2,6 +2,8 @@ from . import panels as panels
 from . import plots as plots
 from .animation import animate as animate
 from .body import Body as Body
+from .diagram import bifurcation_diagram as bifurcation_diagram
+from .diagram import pial_measures as pial_measures
 from .geometry import half as half
 from .geometry import semicircle as semicircle
 from .geometry import semiellipse as semiellipse

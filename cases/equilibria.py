@@ -1,0 +1,69 @@
+"""Why folds snap in, and why a brain has more than one way to fold: the path of equilibria. About 30 s.
+
+    turingfold run cases/equilibria.py      draws figures/equilibria.png
+
+Half a disc with a thick cortex (T/R = 0.15) and the materials of Figure 3, mirrored, without any load but
+growth. Its equilibria, followed by arc length, turn back at limit points: there the body snaps to the next
+stable piece (solid; dashed states are unstable), and sulci close one after the other. At one growth there are
+several stable states. Crosses: marches of 10, 20 and 40 steps; each leaves the path where its piece ends,
+and comes to rest in a state of lower energy, on a piece that this path does not reach.
+"""
+
+import numpy as np
+
+from turingfold import (
+    Elastic,
+    NeoHookean,
+    Result,
+    Scene,
+    SelfContact,
+    Stepping,
+    TangentialGrowth,
+    bifurcation_diagram,
+    equilibria,
+    half,
+    panels,
+    pial_measures,
+    semicircle,
+)
+
+RADIUS, THICKNESS = 0.0404, 0.15 * 0.0404
+GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
+STEPS = {"10 steps": "x", "20 steps": "+", "40 steps": "1"}
+
+
+def scenes(quick=False):
+    body = half(semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4)))
+    terms, grow = (Elastic(gray=GRAY, white=WHITE), SelfContact()), TangentialGrowth(cortex=2.0)
+    steps = {name: Stepping(first=1 / n, largest=1 / n) for name in STEPS for n in [int(name.split()[0])]}
+    return {
+        name: Scene(body=body, processes=(grow,), terms=terms, stepping=own) for name, own in steps.items()
+    }
+
+
+def draw(results, figure):
+    scene = results["10 steps"].scene
+    path = equilibria(scene, arc=0.1)
+    figure.set_size_inches(10, 6)
+    left, right = figure.subfigures(1, 2, width_ratios=(2, 1))
+    axes = left.add_subplot()
+    bifurcation_diagram(axes, scene.body, path)
+    for name, marker in STEPS.items():
+        states = results[name].states
+        heights = pial_measures(scene.body, [state["displacement"] for state in states])["fold_amplitude"]
+        growth = np.interp([state.time for state in states], [0, 1], [1, path.points[-1].growth])
+        axes.plot(growth, 1e3 * heights, marker, color="#333333", markersize=5, label=f"march, {name}")
+    energies = ", ".join(f"{result.history[-1]['energy']:.4f}" for result in results.values())
+    title = f"energy at the end: path {path.points[-1].energy:.4f}, marches {energies} J/m"
+    axes.set_title(title, fontsize=9)
+    axes.legend(frameon=False, fontsize=8, loc="upper left")
+    followed = Result(scene, tuple(point.state for point in path.points), (), converged=True)
+    # the last state of each stable piece: at the limit point where it ends, or at the end of growth
+    ends = np.flatnonzero(path.stable & ~np.append(path.stable[1:], False) & (path.of("rate") > 0))
+    for k, place in enumerate(ends[:3]):
+        panel = right.add_subplot(3, 1, k + 1)
+        panels.layers(panel, followed, place)
+        letter, growth = "ABC"[k], path.points[place].growth
+        panel.set_title(f"{letter}  growth {growth:.2f}, {panels.numbers(followed, place)}", fontsize=8)
+        at = pial_measures(scene.body, [path.points[place].state["displacement"]])["fold_amplitude"][0]
+        axes.annotate(letter, (growth, 1e3 * at), xytext=(4, 4), textcoords="offset points")
