@@ -8,7 +8,7 @@ square of the normal growth factor. All have the same mesh, noise and drag, so t
 Without drag the tall, fine folds of 2 g, 0.25 T snap one after the other, which takes most of the time.
 
 Over the seeds 0, 1 and 2: 2 g deepens the folds of the zone from 1.6 to 1.8 T to 2.4 to 3.1 T; 0.25 T has 6
-or 7 sulci there instead of 2 or 3, and as many as normal beyond it.
+or 7 sulci there instead of 2 or 3, and normal ones beyond it.
 """
 
 from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, panels, semicircle

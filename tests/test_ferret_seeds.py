@@ -105,16 +105,17 @@ def test_malformations_change_folds_in_the_published_direction_for_any_seed(seed
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_local_changes_act_in_their_zone_for_any_seed(seed):
     scenes = load_case(CASES / "ferret_local.py").scenes(quick=False, only=("normal", "2 g", "0.25 T"))
-    middle, beyond = {}, {}
+    middle, apart = {}, {}
     for name, scene in scenes.items():
         result = simulate(replace(scene, seed=seed))
         at, depths = places(result), folds(result).depths
         zone = np.abs(at - 0.5) < 0.15
         middle[name] = zone.sum(), depths[zone].mean()
-        beyond[name] = np.sum(np.abs(at - 0.5) > 0.22)  # half the zone's width and its smooth edge
+        # sulci beyond the zone's half width and smooth edge, on either side: how far apart
+        apart[name] = np.concatenate([np.diff(at[at < 0.28]), np.diff(at[at > 0.72])])
     assert middle["2 g"][1] > 1.2 * middle["normal"][1]
     assert middle["0.25 T"][0] >= 2 * middle["normal"][0]
-    assert beyond["0.25 T"] == beyond["normal"]
+    assert apart["0.25 T"].min() > 0.6 * apart["normal"].mean()  # fine folds would be 0.25 as far apart
 
 
 @pytest.mark.slow
