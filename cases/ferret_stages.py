@@ -13,6 +13,8 @@ Over the seeds 0 to 4 all outlines can be traced, and the gyrification index gro
 1.62 to 1.69 at P32.
 """
 
+from functools import cache
+
 import numpy as np
 
 from turingfold import Elastic, NeoHookean, Scene, SelfContact, Stepping, panels, simulate
@@ -27,21 +29,25 @@ STAGES = {"P0 to P4": 0.36, "P4 to P8": 0.12, "P8 to P16": 0.12, "P16 to P32": 0
 BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
 
 
+@cache  # each stage needs the ends of all before it
 def stages(seed=0, quick=False):
-    """Yield name and scene of each stage; the next one is made of the end of the last."""
+    """Return the scenes by name; each is made of the end of the last."""
     size = THICKNESS / (2 if quick else 3)
     angle = 2 * np.pi * np.arange(240) / 240
     body = outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=THICKNESS, size=size)
     processes = (RateGrowth(rate=1.9, zones=(BOTTOM,)), Imperfection(amplitude=0.1, modes=20))
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
     steps = Stepping(first=0.25, largest=0.25) if quick else Stepping(first=1 / 16, largest=1 / 16)
-    stage = None
+    found = {}
     for name, duration in STAGES.items():
-        if stage is not None:
-            body = retraced(body, simulate(stage).last, size=size, inset=0.02 if quick else 0.008)
+        if found:
+            before = simulate(found[list(found)[-1]]).last
+            body = retraced(body, before, size=size, inset=0.02 if quick else 0.008)
         until = duration / 6 if quick else duration
-        stage = Scene(body=body, processes=processes, terms=terms, until=until, stepping=steps, seed=seed)
-        yield name, stage
+        found[name] = Scene(
+            body=body, processes=processes, terms=terms, until=until, stepping=steps, seed=seed
+        )
+    return found
 
 
 def scenes(quick=False):

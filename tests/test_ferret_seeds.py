@@ -122,7 +122,7 @@ def test_local_changes_act_in_their_zone_for_any_seed(seed):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_stages_can_be_traced_and_deepen_for_any_seed(seed):
     stages = load_case(CASES / "ferret_stages.py").module.stages(seed)
-    results = [simulate(scene) for _, scene in stages]
+    results = [simulate(scene) for scene in stages.values()]
     assert (np.diff([index(result) for result in results]) > 0.05).all()
     for result in results:
         assert self_intersections(result.pial(), closed=True) == 0
