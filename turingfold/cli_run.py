@@ -13,12 +13,14 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.synchronize import Event
 from pathlib import Path
+from typing import Any
 
 from .cli_case import Case, explained, folder_name, load_case
 from .cli_figure import figure_path, save_figure
 from .cli_status import STOPPED, complain, run_command
 from .drawing import sulci
-from .output.document import stored
+from .output.codec import Arrays
+from .output.document import rebuilt, stored
 from .output.folder import check_folder
 from .output.history import read_history
 from .results import Result, Row, length_unit, load
@@ -35,9 +37,7 @@ class Job:
     """A scene to run: where its case is and where its result goes."""
 
     case: Path
-    vary: tuple[tuple[str, str], ...]
     name: str
-    quick: bool
     folder: Path
     resume: bool
     overwrite: bool
@@ -49,13 +49,13 @@ def run(options: argparse.Namespace) -> int:
     scenes = case.scenes(quick=options.quick, only=options.only or ())
     base = results_of(case, options)
     jobs = [
-        Job(options.case, options.vary, name, options.quick, folder, options.resume, options.overwrite)
-        for name, folder in ((name, base / folder_name(name)) for name in scenes)
+        Job(options.case, name, base / folder_name(name), options.resume, options.overwrite)
+        for name in scenes
     ]
     _check_folders(jobs, scenes)
     with progress(scenes) as report:
         if options.jobs > 1:
-            stopped = _together(jobs, options.jobs, report)
+            stopped = _together(jobs, scenes, options.jobs, report)
         else:
             stopped = _in_turn(jobs, scenes, report)
     begun = [job for job in jobs if (job.folder / "states").is_dir()]
@@ -150,16 +150,19 @@ def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> di
     return stopped
 
 
-def _together(jobs: list[Job], count: int, report: Report) -> dict[str, str]:
+def _together(
+    jobs: list[Job], scenes: Mapping[str, Scene], count: int, report: Report
+) -> dict[str, str]:
     """Run scenes in `count` processes; return the messages of those that stopped.
 
-    Ctrl-C reaches this process only; the others stop after the step they are in.
+    The processes get the scenes as they are stored: a case may take long to make them. Ctrl-C reaches this
+    process only; the others stop after the step they are in.
     """
     context = get_context("spawn")
     halt = context.Event()
     handler = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the processes inherit this
     with ProcessPoolExecutor(count, mp_context=context, initializer=_prepare, initargs=(halt,)) as pool:
-        futures = {pool.submit(_alone, job): job for job in jobs}
+        futures = {pool.submit(_alone, job, *stored(scenes[job.name])): job for job in jobs}
         signal.signal(signal.SIGINT, handler)
         running: set[Future[str]] = set(futures)
         try:
@@ -193,14 +196,14 @@ def _prepare(halt: Event) -> None:
     _halt.append(halt)
 
 
-def _alone(job: Job) -> str:
-    """Run one scene in a process of its own; return why it stopped, or nothing."""
+def _alone(job: Job, document: dict[str, Any], arrays: Arrays) -> str:
+    """Run one stored scene in a process of its own; return why it stopped, or nothing."""
 
     def heed(row: Row) -> None:
         if any(halt.is_set() for halt in _halt):
             raise KeyboardInterrupt
 
-    scene = load_case(job.case, job.vary).scenes(quick=job.quick)[job.name]
+    scene = rebuilt(document, arrays, load_case(job.case).known)
     try:
         simulate(scene, job.folder, progress=heed, resume=job.resume, overwrite=job.overwrite)
     except SolveError as error:

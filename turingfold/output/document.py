@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -42,9 +42,14 @@ def read_scene(path: Path, known: Iterable[Any] = ()) -> Scene:
         raise ValueError(f"{path} has format {document.get('format')!r}; this version reads format {FORMAT}.")
     if document["arrays"]["sha256"] != digest(arrays):
         raise CorruptFileError(f"{path / 'body.npz'} does not belong to the scene.json beside it.")
+    return rebuilt(document, arrays, known)
+
+
+def rebuilt(document: Mapping[str, Any], arrays: Arrays, known: Iterable[Any] = ()) -> Scene:
+    """Return the scene that was `stored`; raises ValueError where that is none."""
     scene = decode(document["scene"], arrays, known)
     if not isinstance(scene, Scene):
-        raise ValueError(f"{path / 'scene.json'} describes no scene.")
+        raise ValueError("scene.json describes no scene.")
     return scene
 
 
