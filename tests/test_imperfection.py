@@ -9,6 +9,7 @@ from turingfold.imperfection import Imperfection, noise, roughened
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin
 from turingfold.mechanics.material import NeoHookean
+from turingfold.outlines import outline
 from turingfold.scene import MissingFieldError, Scene
 
 
@@ -111,3 +112,28 @@ def test_rough_thickness_leaves_the_interface():
     assert np.hypot(*shift[:, smooth.pial]).max() > 0.004
     with pytest.raises(ValueError, match="'shape', 'thickness'"):
         roughened(smooth, 0.004, of="colour")
+
+
+def test_noise_on_a_closed_surface_has_no_seam():
+    share = np.array([0.0, 1.0])
+    for seed in range(5):
+        start, end = noise(share, 20, seed, closed=True)
+        assert start == pytest.approx(end, abs=1e-12)
+        assert abs(np.subtract(*noise(share, 20, seed))) > 1e-3  # which an open one has no need of
+    values = np.concatenate([noise(np.linspace(0, 1, 500), 40, seed, closed=True) for seed in range(100)])
+    assert values.std() == pytest.approx(1.0, rel=0.05)
+    # the shortest wave is as long as on an open surface with as many modes
+    spectrum = np.abs(np.fft.rfft(noise(np.arange(512) / 512, 20, 0, closed=True)))
+    assert spectrum[11:].max() < 1e-10 * spectrum.max()
+    assert spectrum[10] > 1e-3 * spectrum.max()
+
+
+def test_a_closed_body_is_rough_all_round():
+    angle = 2 * np.pi * np.arange(60) / 60
+    body = outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=0.2, size=0.1)
+    rough = roughened(body, 0.01, modes=10)
+    radius = np.hypot(*rough.nodes[:, rough.pial]) - np.hypot(*body.nodes[:, body.pial])
+    near = np.abs(np.arctan2(*body.nodes[::-1, body.pial])) < 0.3  # where the curve begins
+    assert np.abs(radius[near]).max() > 1e-3
+    around = radius[np.argsort(np.arctan2(*body.nodes[::-1, body.pial]))]
+    assert np.abs(np.diff(around, append=around[0])).max() < 5e-3

@@ -14,18 +14,21 @@ from .scene import State
 KINDS = ("growth", "stiffness")
 
 
-def noise(share: Array, modes: int, seed: int, symmetric: bool = False) -> Array:
+def noise(share: Array, modes: int, seed: int, symmetric: bool = False, closed: bool = False) -> Array:
     """Return ξ = √(2/M) Σ_m a_m cos(m π s + φ_m), of unit variance, at shares s of the arc length in [0, 1].
 
-    a_m: standard normal.  symmetric: even modes with φ_m = 0 about s = 1/2 only.
+    a_m: standard normal.  symmetric: even modes with φ_m = 0 about s = 1/2 only.  closed: those with an even
+    number of half waves, so that the noise does not jump where the surface closes.
     """
     random = np.random.default_rng(seed)
+    if closed and not symmetric:
+        modes = max(1, modes // 2)
     amplitude, phase = random.standard_normal(modes), random.uniform(0.0, 2 * np.pi, modes)
     order = np.arange(1, modes + 1)
     if symmetric:
         waves = np.cos(2 * np.pi * np.multiply.outer(share - 0.5, order))
     else:
-        waves = np.cos(np.pi * np.multiply.outer(share, order) + phase)
+        waves = np.cos((2 if closed else 1) * np.pi * np.multiply.outer(share, order) + phase)
     return np.asarray(np.sqrt(2 / modes) * waves @ amplitude)
 
 
@@ -62,7 +65,8 @@ class Imperfection:
 
     def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
         """Return the noise and the field changed by it."""
-        values = noise(body.pial_share(body.arc), self.modes, seed, self.symmetric or body.mirror)
+        share, closed = body.pial_share(body.arc), body.pial_curve.closed
+        values = noise(share, self.modes, seed, self.symmetric or body.mirror, closed)
         if self.of == "stiffness":
             return {"stiffness": np.maximum(0.1, 1.0 + self.amplitude * values)}
         return {"noise": values, **self._grown(values, state)}
@@ -97,11 +101,12 @@ def roughened(
     positive("amplitude", amplitude, at_most=body.thickness, remedy="the most is the cortical thickness")
     depth, tangent, arc = body.pial_curve.nearest(body.nodes)
     share = body.pial_share(arc)
-    normal = np.stack([tangent[1], -tangent[0]])
+    normal, closed = np.stack([tangent[1], -tangent[0]]), body.pial_curve.closed
     below = (depth - body.thickness) / (2 * body.thickness) if of == "shape" else depth / body.thickness
     fade = np.clip(1.0 - below, 0.0, 1.0)
-    ends = np.clip(np.minimum(share, 1.0 - share) * body.pial_curve.length / body.thickness, 0.0, 1.0)
-    shift = amplitude * fade * ends * noise(share, modes, seed, symmetric or body.mirror) * normal
+    if not closed:
+        fade *= np.clip(np.minimum(share, 1.0 - share) * body.pial_curve.length / body.thickness, 0.0, 1.0)
+    shift = amplitude * fade * noise(share, modes, seed, symmetric or body.mirror, closed) * normal
     moved = by_node(shift)
     moved[body.supported] = 0.0
     try:
