@@ -17,11 +17,13 @@ from turingfold.mechanics.dynamics import Drag, Inertia
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
+from turingfold.mechanics.minimise import Minimiser
 from turingfold.scene import (
     InadmissibleStateError,
     MissingFieldError,
     NotConvergedError,
     Scene,
+    SimplePotential,
     State,
     Stepping,
 )
@@ -348,3 +350,63 @@ def test_inertia_and_drag_pass_the_examination(body, term, other):
     kind = "drag" if isinstance(term, Drag) else term.scheme
     divisor = {"drag": 0.1, "euler": 0.01, "midpoint": 0.0025}[kind]
     assert energy == pytest.approx(0.5 * mass * 2.0 * 0.13 / divisor, rel=1e-12)
+
+
+class Nothing:
+    """No energy."""
+
+    energy, grain, curved = 0.0, 0.0, False
+
+    def gradient(self):
+        return np.zeros(1), 0.0
+
+
+@dataclass(frozen=True)
+class Overshoots:
+    """Ends the first long step beyond what it admits itself, so that the step is taken anew."""
+
+    longest: float = 0.15
+    reads = ()
+
+    def on(self, body):
+        return _Overshoots(self)
+
+
+@dataclass(frozen=True)
+class _Overshoots:
+    term: Overshoots
+    grounds = False
+
+    def during(self, state, dt):
+        return _End(state, dt > self.term.longest)
+
+
+@dataclass(frozen=True)
+class _End(SimplePotential):
+    state: State
+    beyond: bool
+
+    def evaluate(self, x):
+        return Nothing()
+
+    def largest_step(self, x, direction):
+        return 0.5 if self.beyond and np.abs(direction).max() == 7.0 else 1.0
+
+    def finish(self, x):
+        return {"displacement": (x + 7.0).reshape(-1, 2).T.copy()} if self.beyond else {}
+
+
+def test_a_rejected_end_leaves_no_tangent_behind(body, monkeypatch):
+    kept = []
+    minimise = Minimiser.minimise
+
+    def spied(self, *arguments):
+        kept.append(self.memory.point)
+        return minimise(self, *arguments)
+
+    monkeypatch.setattr(Minimiser, "minimise", spied)
+    grow = TangentialGrowth(cortex=1.3)
+    made = scene(body, Overshoots(), processes=(grow,), first=0.2, largest=0.2)
+    step, _ = next(march(made, begin(made)))
+    assert step.numbers["step"] == pytest.approx(0.1)
+    assert kept == [None, None]

@@ -54,12 +54,14 @@ class Step:
 class Progress:
     """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
 
+    previous_dt: length of the last step, to the last bit.
     past: earlier equilibria, the newest last, to predict the next one from.
     memory: what the minimiser carries from step to step.
     """
 
     state: State
     dt: float
+    previous_dt: float = 0.0
     past: tuple[Past, ...] = ()
     memory: Memory | None = None
 
@@ -110,8 +112,8 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     n_dofs, limits = 2 * scene.body.nodes.shape[1], (stepping.tolerance, stepping.iterations)
     minimiser = Minimiser(n_dofs, held, *limits, progress.memory, stepping.solver)
     if progress.memory is not None and progress.memory.point is not None:
-        last = progress.state.time - progress.past[-1].time
-        minimiser.remember(acting(operators, progress.state, last), progress.memory.point)
+        at_hand = acting(operators, progress.state, progress.previous_dt)
+        minimiser.remember(at_hand, progress.memory.point)
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
         if perf_counter() - started > stepping.seconds:
@@ -126,10 +128,11 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
         except SolveError as error:
             if dt / 2 < stepping.smallest * until:
                 raise _stopped(progress.state, until, str(error), error) from error
+            minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
-        progress = Progress(step.state, onward, progress.equilibria[-REMEMBERED:], minimiser.memory)
+        progress = Progress(step.state, onward, dt, progress.equilibria[-REMEMBERED:], minimiser.memory)
         yield step, progress
 
 

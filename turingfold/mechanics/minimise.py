@@ -41,7 +41,8 @@ class Effort:
 class Equilibrium:
     """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and the tangent's pivots.
 
-    negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum.
+    negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum. Where no
+    walls touch, it may be that of a place on the last thousandth of the way from the last such place.
     """
 
     x: Array
@@ -66,9 +67,13 @@ class Memory:
 
 @dataclass(frozen=True)
 class System:
-    """A factorised tangent and the displacement where it was made."""
+    """A factorised tangent and the displacement where it was made; of use until the next is factorised.
+
+    lasting: the number of its Hessians if their places last, else 0, as where walls touch.
+    """
 
     point: Array
+    lasting: int
     pattern: Pattern
     values: Array
     solver: Solver
@@ -169,11 +174,14 @@ class Minimiser:
     def _certified(self, at: list[Evaluation], x: Array, origin: Array | None, last: System | None) -> int:
         """Keep the tangent if it is positive definite; return the number of its negative pivots.
 
-        The last true tangent speaks for x if it was made within NEAR of the way from the last such place.
+        The last true tangent speaks for x if it was made within NEAR of the way from the last such place and
+        forces change smoothly: a contact may come and go within any distance.
         """
-        if last is not None and self._level == 0 and _nearer(x, last.point, origin):
-            self._tangent = last
-            return 0
+        if last is not None and self._level == 0 and not has_inner(at):
+            smooth = last.lasting == sum(e.curved for e in at)
+            if smooth and _nearer(x, last.point, origin):
+                self._tangent = last
+                return 0
         found = self._factorized(at, x, 0.0)
         # inner unknowns settle anew in the next step: their tangent is not the same to the last bit
         self._tangent = None if has_inner(at) else found
@@ -184,7 +192,9 @@ class Minimiser:
     def _factorized(self, at: list[Evaluation], x: Array, convexity: float) -> System | None:
         """Return the factorised tangent, or None if it is not positive definite."""
         begin = perf_counter()
-        pattern, values = self.gatherer.gather([e.hessian(convexity) for e in at if e.curved])
+        hessians = [e.hessian(convexity) for e in at if e.curved]
+        lasting = len(hessians) if all(h.lasting for h in hessians) else 0
+        pattern, values = self.gatherer.gather(hessians)
         begin = self.effort.add("tangents", begin)
         if pattern is not self._solver_pattern:
             self._solver, self._solver_pattern = solver_for(pattern, self._kind), pattern
@@ -197,7 +207,7 @@ class Minimiser:
             return None
         finally:
             self.effort.add("factorisations", begin)
-        return System(x, pattern, values, self._solver)
+        return System(x, lasting, pattern, values, self._solver)
 
     def _search(
         self,
@@ -232,7 +242,7 @@ class Minimiser:
 
 def _nearer(x: Array, point: Array, origin: Array | None) -> bool:
     """Return whether a point lies much nearer to x than the origin does."""
-    return origin is not None and bool(np.linalg.norm(x - point) < NEAR * np.linalg.norm(x - origin))
+    return origin is not None and bool(np.abs(x - point).max() < NEAR * np.abs(x - origin).max())
 
 
 def _lowest(

@@ -13,7 +13,7 @@ from ..scene import Scene
 from .codec import Arrays, decode, encode
 from .files import CorruptFileError, digest, read_arrays, read_json
 
-FORMAT = 1
+FORMAT = 2
 PACKAGES = ("turingfold", "numpy", "scipy", "scikit-fem", "ipctk", "cvxopt")
 
 
@@ -39,7 +39,10 @@ def read_scene(path: Path, known: Iterable[Any] = ()) -> Scene:
         raise ValueError(f"{path} holds no result (there is no scene.json); name the folder of one scene.")
     document, arrays = read_json(path / "scene.json"), read_arrays(path / "body.npz")
     if document.get("format") != FORMAT:
-        raise ValueError(f"{path} has format {document.get('format')!r}; this version reads format {FORMAT}.")
+        raise ValueError(
+            f"{path} has format {document.get('format')!r} and this version reads format {FORMAT}; run the "
+            "scene again (overwrite=True, --overwrite)."
+        )
     if document["arrays"]["sha256"] != digest(arrays):
         raise CorruptFileError(f"{path / 'body.npz'} does not belong to the scene.json beside it.")
     return rebuilt(document, arrays, known)

@@ -225,7 +225,7 @@ def read_index(path: Path) -> list[tuple[float, str]]:
 def _arrays(checkpoint: Checkpoint) -> Arrays:
     progress, parts = checkpoint.progress, checkpoint.seconds_by_part
     arrays: Arrays = {f"field.{name}": values for name, values in progress.state.fields.items()}
-    arrays["numbers"] = np.array([progress.state.time, progress.dt, checkpoint.seconds])
+    arrays["numbers"] = np.array([progress.state.time, progress.dt, progress.previous_dt, checkpoint.seconds])
     arrays["step"] = np.array(checkpoint.step)
     arrays["parts"], arrays["seconds"] = np.array(list(parts), dtype=np.str_), np.array(list(parts.values()))
     if progress.past:
@@ -240,7 +240,7 @@ def _arrays(checkpoint: Checkpoint) -> Arrays:
 
 
 def _checkpoint(arrays: Arrays) -> Checkpoint:
-    time, dt, seconds = arrays["numbers"].tolist()
+    time, dt, previous_dt, seconds = arrays["numbers"].tolist()
     own = [name for name in arrays if name.startswith("field.")]
     fields = {name.removeprefix("field."): arrays[name] for name in own}
     memory = None
@@ -250,6 +250,6 @@ def _checkpoint(arrays: Arrays) -> Checkpoint:
     if "past.times" in arrays:
         pairs = zip(arrays["past.times"].tolist(), arrays["past.displacements"], strict=True)
         past = tuple(Past(*pair) for pair in pairs)
-    progress = Progress(State(time, fields), dt, past, memory)
+    progress = Progress(State(time, fields), dt, previous_dt, past, memory)
     parts = dict(zip(arrays["parts"].tolist(), arrays["seconds"].tolist(), strict=True))
     return Checkpoint(progress, int(arrays["step"]), seconds, parts)
