@@ -6,6 +6,8 @@ import numpy as np
 
 from .arrays import Array, Booleans, Integers
 
+PAIRS = 2_000_000  # compared at once: some tens of MB
+
 
 def area(curve: Array) -> float:
     """Return the signed area inside a closed polygon (2, n); positive if counter-clockwise."""
@@ -23,12 +25,14 @@ def enclosed(points: Array, segments: Array) -> Booleans:
 
     segments: start and end points, (2, 2, m). A ray from a point inside crosses an odd number of them.
     """
-    (ax, ay), (bx, by) = segments[:, :, :, None]
-    x, y = points
-    spans = (ay > y) != (by > y)
-    rise = np.where(by == ay, 1.0, by - ay)
-    left = x < ax + (y - ay) / rise * (bx - ax)
-    return np.asarray((np.sum(spans & left, axis=0) % 2) == 1)
+    (ax, ay), (bx, by) = segments
+    found = np.zeros(points.shape[1], dtype=bool)
+    for begin in range(0, len(found), block := _block(segments)):
+        x, y = points[:, begin : begin + block]
+        i, j = np.nonzero((ay > y[:, None]) != (by > y[:, None]))
+        left = x[i] < ax[j] + (y[i] - ay[j]) / (by[j] - ay[j]) * (bx[j] - ax[j])
+        found[begin : begin + block] = np.bincount(i[left], minlength=len(x)) % 2 == 1
+    return found
 
 
 def intersections(one: Array, other: Array) -> tuple[Integers, Integers, Array, Array]:
@@ -37,7 +41,7 @@ def intersections(one: Array, other: Array) -> tuple[Integers, Integers, Array, 
     one, other: start and end points, shapes (2, 2, n) and (2, 2, m). Parallel segments never meet.
     """
     found: list[tuple[Integers, Integers, Array, Array]] = []
-    block = max(1, 2_000_000 // max(1, other.shape[2]))
+    block = _block(other)
     d = other[1] - other[0]
     for begin in range(0, one.shape[2], block):
         start = one[0, :, begin : begin + block, None]
@@ -51,3 +55,8 @@ def intersections(one: Array, other: Array) -> tuple[Integers, Integers, Array, 
         found.append((i + begin, j, s[i, j], t[i, j]))
     i, j, s, t = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return i, j, s, t
+
+
+def _block(segments: Array) -> int:
+    """Return how many points or segments to compare with all these segments at once, to bound the memory."""
+    return max(1, PAIRS // max(1, len(segments[0, 0])))
