@@ -74,11 +74,24 @@ def test_a_mask_that_touches_the_edge_of_the_image_is_closed(tmp_path):
     assert np.ptp(points, axis=1) == pytest.approx(edges, rel=1e-6)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_sections_with_values_that_are_not_finite_are_refused(tmp_path, value):
+    voxels = brain().astype(np.float32)
+    voxels[20, 4, 50] = value  # on the outline, which would be left open there
+    file = written(tmp_path / "brain.nii", voxels)
+    with pytest.raises(ValueError, match=r"1 voxels of coronal section 4 are not finite"):
+        mask_outline(file)
+    assert mask_outline(file, index=3).shape[1] > 100  # the others can be used
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"section": "frontal"}, "section='frontal'"),
         ({"index": 9}, "sections 0 to 8"),
+        ({"index": -1}, "sections 0 to 8"),
+        ({"index": 4.5}, r"index=4\.5 must be a whole number.*sections 0 to 8"),
+        ({"index": True}, "index=True must be a whole number"),
         ({"level": 1.5}, "values from 0 to 1"),
         ({"level": float("nan")}, "level"),
     ],

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..checks import finite, one_of
+from ..checks import finite, one_of, whole
 
 SECTIONS = {"sagittal": 0, "coronal": 1, "axial": 2}  # the axis across them, of right, anterior, superior
 UNITS = {"meter": 1.0, "mm": 1e-3, "micron": 1e-6, "unknown": 1e-3}
@@ -23,20 +23,28 @@ def mask_outline(
     section: "coronal" (x to the right, y up), "sagittal" (x forward, y up) or "axial" (x to the right, y
     forward), in the image's orientation turned to right, anterior, superior.
     index: of the section, counted from left, back or bottom; left out: that with most voxels above `level`.
+    A section is a plane of voxels: an image that is oblique to the scanner has sections as oblique, named by
+    the closest axes.
     The curve runs between voxel centres, so that of a 0-1 mask has steps: give `outline` a `smooth` of some
     voxels. A file that states no unit of length is taken to be in mm.
-    Raises ValueError for files, sections and levels without such a curve, and where nibabel (the extra
-    `images`) is missing.
+    Raises ValueError for files, sections and levels without such a curve, for a section with values that are
+    not finite, and where nibabel (the extra `images`) is missing.
     """
     one_of("section", section, tuple(SECTIONS))
     finite("level", level)
     image = _image(Path(path))
     across = SECTIONS[section]
     voxels = np.moveaxis(np.asarray(image.dataobj, dtype=float), across, 0)
+    known = f"the image has {section} sections 0 to {len(voxels) - 1}"
     if index is None:
         index = int(np.argmax((voxels > level).sum((1, 2))))
-    if not 0 <= index < len(voxels):
-        raise ValueError(f"index={index}: the image has {section} sections 0 to {len(voxels) - 1}.")
+    if whole("index", index, at_least=0, remedy=known) >= len(voxels):
+        raise ValueError(f"index={index}: {known}.")
+    if unknown := int((~np.isfinite(voxels[index])).sum()):
+        raise ValueError(
+            f"{path}: {unknown} voxels of {section} section {index} are not finite; give them the value "
+            "outside the brain, or choose another section."
+        )
     from contourpy import contour_generator
 
     outside = 0.0 if level > 0 else level - 1.0
