@@ -3,8 +3,11 @@
 import ast
 import importlib
 import inspect
+import re
 import subprocess
 import sys
+import tomllib
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -119,6 +122,19 @@ def test_public_names_do_not_hide_modules():
 def test_modules_are_documented(path):
     tree = ast.parse(path.read_text(encoding="utf-8"))
     assert ast.get_docstring(tree)
+
+
+def test_every_package_imported_is_declared():
+    project = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    asked = [*project["dependencies"], *chain(*project["optional-dependencies"].values())]
+    declared = {re.match(r"[\w-]+", words)[0] for words in asked}
+    names = {"skfem": "scikit-fem", "PIL": "pillow", "lazy_loader": "lazy-loader"}
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            found = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            found += [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+            for name in {name.split(".")[0] for name in found} - sys.stdlib_module_names:
+                assert names.get(name, name) in declared, f"{path.name} imports {name}"
 
 
 SCRIPT = """
