@@ -176,6 +176,12 @@ def test_occupied_folders_are_found_before_anything_runs(written, tmp_path, caps
     assert main(["run", case, "--resume"]) == 0
 
 
+def test_variations_with_one_folder_are_refused(written, tmp_path, capsys):
+    assert main(["sweep", written(INTERRUPTED), "--vary", "Stumbles.how=a b,a-b"]) == 2
+    assert "must differ in the letters of their names: ['how=a b', 'how=a-b']" in unwrapped(capsys)
+    assert not (tmp_path / "results").exists()
+
+
 def unwrapped(capsys):
     return " ".join(capsys.readouterr().err.split())
 

@@ -1,11 +1,15 @@
 """Scenes with other values of their parameters, from Python and at the command line."""
 import csv
+import shlex
+from dataclasses import replace
 
 import pytest
 from small import elastic_scene
 
-from turingfold import Drag, varied
-from turingfold.cli import main
+from turingfold import Drag, NeoHookean, varied
+from turingfold.cli import main, parser
+from turingfold.cli_case import load_case
+from turingfold.cli_run import draw
 from turingfold.sweep import read_values
 
 CASE = '''"""A patch of cortex that grows."""
@@ -38,6 +42,17 @@ def test_every_combination_is_made_and_named(scene):
     assert scene.processes[0].cortex != 1.25
 
 
+def test_names_tell_parameters_apart_by_as_little_as_they_need(scene):
+    values = {"Elastic.gray.mu": [2.0], "Elastic.gray.kappa": [4.0], "Stepping.largest": [0.5]}
+    assert list(varied(scene, values)) == ["mu=2, kappa=4, largest=0.5"]
+    solid = replace(scene.terms[0], white=scene.terms[0].gray)
+    both = {"Elastic.gray.mu": [2.0], "Elastic.white.mu": [3.0], "Stepping.largest": [0.5]}
+    found = varied(replace(scene, terms=(solid,)), both)
+    assert list(found) == ["gray.mu=2, white.mu=3, largest=0.5"]
+    (changed,) = found.values()
+    assert (changed.terms[0].gray.mu, changed.terms[0].white.mu) == (2.0, 3.0)
+
+
 def test_scene_and_steps_have_parameters_too(scene):
     found = varied(scene, {"Scene.until": [0.5], "Stepping.largest": [0.5], "Scene.seed": [7]})
     (changed,) = found.values()
@@ -56,6 +71,9 @@ def test_values_are_read_in_the_kind_of_the_parameter(scene):
     assert read_values("1,2.5", scene, "TangentialGrowth.cortex") == [1.0, 2.5]
     assert read_values("sharp,sigmoid", scene, "Elastic.layers") == ["sharp", "sigmoid"]
     assert read_values("3,4", scene, "Scene.seed") == [3, 4]
+    seeds = read_values("1:9:3", scene, "Scene.seed")
+    assert seeds == [1, 5, 9]
+    assert [found.seed for found in varied(scene, {"Scene.seed": seeds}).values()] == seeds
     assert read_values("on,off", scene, "Elastic") == ["on", "off"]
 
 
@@ -69,6 +87,7 @@ def test_values_are_read_in_the_kind_of_the_parameter(scene):
         ("TangentialGrowth.cortex", "high", "such as 1.5,1.7"),
         ("Elastic.gray", "1", r"NeoHookean\(.*such as"),
         ("Scene.seed", "high", "is 0 in the case"),
+        ("Scene.seed", "1:2:3", "such as 1,2,3 or 1:3:3"),  # 1.5 between
     ],
 )
 def test_texts_that_say_nothing_are_refused(scene, parameter, text, message):
@@ -81,6 +100,14 @@ def test_texts_that_say_nothing_are_refused(scene, parameter, text, message):
     [
         ({}, "at least|one parameter"),
         ({"TangentialGrowth.cortex": []}, "a value or more"),
+        ({"TangentialGrowth.cortex": 1.2}, r"cortex=1\.2 must be a list"),
+        ({"TangentialGrowth": "on"}, "'on' must be a list"),
+        ({"TangentialGrowth.cortex": [1.5, 1.2, 1.50000001]}, r"values 1\.5 and 1\.50000001, both named"),
+        ({"Scene.seed": [1, 1]}, "values 1 and 1, both named 'seed=1'"),
+        ({"TangentialGrowth": ["on", "off"], "TangentialGrowth.cortex": [1.2]}, "cannot be varied together"),
+        ({"TangentialGrowth.cortex": [1.2], "TangentialGrowth": ["on", "off"]}, "cannot be varied together"),
+        ({"Elastic.gray.mu": [2.0], "Elastic.gray": [NeoHookean(mu=1.0, kappa=5.0)]}, "varied together"),
+        ({"Elastic": ["on"], "Scene.Elastic": ["on"]}, "Scene has no 'Elastic'"),
         ({"TangentialGrowth": [1.2]}, r"'on' or 'off'; or vary its cortex"),
         ({"Scene": ["off"]}, "cannot be left out"),
         ({"TangentialGrowth.cortex": [-1.0]}, "cortex=-1"),
@@ -126,6 +153,62 @@ def test_all_scenes_of_a_case_are_swept_also_in_processes(case, capsys):
     assert folders == {f"{name}-SelfContact={word}" for name in ("half", "whole") for word in ("on", "off")}
     told = capsys.readouterr().out
     assert "whole, SelfContact=off" in told
+
+
+SWEPT = [
+    "sweep", "tiny.py", "--vary", "TangentialGrowth.layers=sharp,sigmoid", "--vary", "Elastic=on,off",
+    "--out", "a folder", "--only", "whole",
+]  # fmt: skip
+
+
+def said(capsys):
+    return " ".join(capsys.readouterr().err.split())
+
+
+def test_an_interrupted_sweep_says_how_to_go_on_with_it(case, capsys, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("turingfold.cli_run.simulate", stopped)
+    assert main(SWEPT) == 130
+    command = said(capsys).partition("Go on with: ")[2]
+    assert shlex.split(command) == ["turingfold", *SWEPT, "--resume"]
+
+
+def test_a_sweep_without_all_results_says_how_to_complete_it(case):
+    options = parser().parse_args(SWEPT)
+    with pytest.raises(ValueError, match="run the case first") as refused:
+        draw(load_case(options.case, tuple(options.vary)), options)
+    command = str(refused.value).partition("run the case first: ")[2]
+    assert shlex.split(command) == ["turingfold", *SWEPT, "--resume"]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (["Scene.until=0.5", "Scene.until=0.7"], "Scene.until is varied twice"),
+        (["TangentialGrowth=on,off", "TangentialGrowth.cortex=1.1,1.2"], "cannot be varied together"),
+        (["TangentialGrowth.cortex=1.1,1.10000001"], "values 1.1 and 1.10000001, both named 'cortex=1.1'"),
+    ],
+)
+def test_sweeps_whose_results_would_be_mixed_up_are_refused(case, capsys, values, message):
+    assert main(["sweep", "tiny.py", *(word for value in values for word in ("--vary", value))]) == 2
+    assert message in said(capsys)
+    assert not (case / "results").exists()
+
+
+def test_the_table_is_of_the_last_sweep(case, capsys):
+    words = ["sweep", "tiny.py", "--only", "half", "--vary"]
+    for cortex in ("1.1", "1.2"):
+        assert main([*words, f"TangentialGrowth.cortex={cortex}"]) == 0
+    folder = case / "results" / "tiny-sweep"
+    rows = (folder / "sweep.csv").read_text().splitlines()
+    assert [row.partition(",")[0] for row in rows] == ["scene", "cortex=1.2"]
+    assert (folder / "cortex=1.1" / "states").is_dir()
+    with pytest.raises(SystemExit, match="0"):
+        main(["sweep", "--help"])
+    explained = " ".join(capsys.readouterr().out.split())
+    assert "sweep.csv and the figure there are of the last sweep alone" in explained
 
 
 @pytest.mark.parametrize("words", ["", "cortex", "=1", "TangentialGrowth.cortex="])

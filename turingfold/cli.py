@@ -71,8 +71,11 @@ def parser() -> argparse.ArgumentParser:
     run.set_defaults(command=_run, vary=())
 
     sweep = commands.add_parser(
-        "sweep", parents=[stored, running, common], help="run a case with other values of its parameters"
-    )
+        "sweep", parents=[stored, running, common], help="run a case with other values of its parameters",
+        description="Run a case with other values of its parameters. Each combination has a folder in "
+        "DIR/<case>-sweep; the table sweep.csv and the figure there are of the last sweep alone, while the "
+        "folders of earlier ones stay.",
+    )  # fmt: skip
     sweep.add_argument(
         "--vary", action="append", required=True, type=_assignment, metavar="PART.NAME=VALUES",
         help="such as TangentialGrowth.cortex=1.5:1.9:3, AxonalTension=on,off; more make all combinations",
@@ -80,7 +83,7 @@ def parser() -> argparse.ArgumentParser:
     sweep.set_defaults(command=_sweep)
 
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
-    draw.set_defaults(command=_draw)
+    draw.set_defaults(command=_draw, vary=())
 
     film = commands.add_parser("animate", parents=[common], help="a film of a stored result")
     film.add_argument("result", type=Path, metavar="FOLDER", help="of one scene's result")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from importlib.util import module_from_spec, spec_from_file_location
@@ -75,20 +75,28 @@ class Case:
         if unknown:
             names = ", ".join(map(repr, found))
             raise ValueError(f"{self.path} has no scene {unknown[0]!r}; it has: {names}.")
-        folders = {folder_name(name) for name in found}
-        if len(folders) < len(found):
-            raise ValueError(f"{self.path}: scenes must differ in the letters of their names: {list(found)}.")
+        self._check_apart(found)
         chosen = {name: scene for name, scene in found.items() if not only or name in only}
         return self._varied(chosen) if self.vary else chosen
+
+    def _check_apart(self, names: Collection[str]) -> None:
+        folders = {folder_name(name) for name in names}
+        if len(folders) < len(names):
+            raise ValueError(f"{self.path}: scenes must differ in the letters of their names: {list(names)}.")
 
     def _varied(self, scenes: dict[str, Scene]) -> dict[str, Scene]:
         from .sweep import read_values, varied
 
+        parameters = [parameter for parameter, _ in self.vary]
+        for parameter in parameters:
+            if parameters.count(parameter) > 1:
+                raise ValueError(f"{parameter} is varied twice; list all its values in one --vary.")
         found = {}
         for name, scene in scenes.items():
             values = {parameter: read_values(text, scene, parameter) for parameter, text in self.vary}
             for own, changed in varied(scene, values).items():
                 found[f"{name}, {own}" if len(scenes) > 1 else own] = changed
+        self._check_apart(found)
         return found
 
     @property

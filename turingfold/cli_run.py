@@ -113,7 +113,10 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
     names = _drawn(case, options)
     if missing := _without_result(names, base):
         which = "no results" if len(missing) == len(names) else f"no results of {', '.join(missing)}"
-        command = run_command(options, missing if len(missing) < len(names) else ())
+        if case.vary:  # of which single scenes cannot be chosen
+            command = run_command(options, options.only or (), "--resume")
+        else:
+            command = run_command(options, missing if len(missing) < len(names) else ())
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: load(base / folder_name(name), known=case.known) for name in names}
     apart = bool(options.quick or options.out is not None or case.vary)

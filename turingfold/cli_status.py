@@ -24,8 +24,10 @@ def complain(message: str) -> None:
 
 
 def run_command(options: argparse.Namespace, only: Iterable[str], *more: str) -> str:
-    """Return the command that runs some scenes of a case, or all for none, to the same place."""
-    words = ["turingfold", "run", str(options.case), *(["--quick"] if options.quick else [])]
+    """Return the command that runs or sweeps some scenes of a case, or all for none, to the same place."""
+    words = ["turingfold", "sweep" if options.vary else "run", str(options.case)]
+    words += [word for name, values in options.vary for word in ("--vary", f"{name}={values}")]
+    words += ["--quick"] if options.quick else []
     words += ["--out", str(options.out)] if options.out else []
     words += [word for name in only for word in ("--only", name)]
     return shlex.join([*words, *more])

@@ -19,7 +19,10 @@ NUMBERS = (
 
 
 def sweep(options: argparse.Namespace) -> int:
-    """Run the variations of a case's scenes, draw them side by side, and write their numbers in one table."""
+    """Run the variations of a case's scenes, draw them side by side, and write their numbers in one table.
+
+    Table and figure are of this sweep alone: results of earlier ones stay in their folders, but are not read.
+    """
     status = run(options)
     case = load_case(options.case, options.vary)
     base = results_of(case, options)
