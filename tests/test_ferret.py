@@ -42,9 +42,9 @@ def brain(thickness, layers):
     return semicircle(radius=1.0, thickness=thickness, size=thickness / layers, base="roller")
 
 
-def run(case, names=(), quick=False):
-    scenes = load_case(CASES / f"{case}.py").scenes(quick=quick, only=names)
-    return {name: simulate(scene) for name, scene in scenes.items()}
+def run(case, **changes):
+    scenes = load_case(CASES / f"{case}.py").scenes(quick=False)
+    return {name: simulate(replace(scene, **changes)) for name, scene in scenes.items()}
 
 
 def folds(result):
@@ -190,9 +190,9 @@ def test_panels_count_sulci_and_measure_them_in_thicknesses():
 # whole cases
 
 
-@pytest.fixture(scope="module")
-def malformations():
-    return run("ferret_malformations")
+@pytest.fixture(scope="module", params=[0, 1, 2], ids="seed{}".format)
+def malformations(request):
+    return run("ferret_malformations", seed=request.param)
 
 
 @pytest.mark.slow
