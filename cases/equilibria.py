@@ -6,7 +6,8 @@ Half a disc with a thick cortex (T/R = 0.15) and the materials of Figure 3, mirr
 growth. Its equilibria, followed by arc length, turn back at limit points: there the body snaps to the next
 stable piece (solid; dashed states are unstable), and sulci close one after the other. At one growth there are
 several stable states. Crosses: marches of 10, 20 and 40 steps; each leaves the path where its piece ends,
-and comes to rest in a state of lower energy, on a piece that this path does not reach.
+and comes to rest in a state of lower energy, on a piece that this path does not reach. The path is no result
+of a run: it is found anew, in about 20 s, whenever the figure is drawn.
 """
 
 import numpy as np
@@ -23,9 +24,10 @@ from turingfold import (
     equilibria,
     half,
     panels,
-    pial_measures,
     semicircle,
 )
+from turingfold.diagram import fold_amplitude
+from turingfold.mechanics.factor import largest_growth
 
 RADIUS, THICKNESS = 0.0404, 0.15 * 0.0404
 GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
@@ -50,8 +52,8 @@ def draw(results, figure):
     bifurcation_diagram(axes, scene.body, path)
     for name, marker in STEPS.items():
         states = results[name].states
-        heights = pial_measures(scene.body, [state["displacement"] for state in states])["fold_amplitude"]
-        growth = np.interp([state.time for state in states], [0, 1], [1, path.points[-1].growth])
+        heights = fold_amplitude(scene.body, [state["displacement"] for state in states])
+        growth = [largest_growth(state) for state in states]
         axes.plot(growth, 1e3 * heights, marker, color="#333333", markersize=5, label=f"march, {name}")
     energies = ", ".join(f"{result.history[-1]['energy']:.4f}" for result in results.values())
     title = f"energy at the end: path {path.points[-1].energy:.4f}, marches {energies} J/m"
@@ -65,5 +67,5 @@ def draw(results, figure):
         panels.layers(panel, followed, place)
         letter, growth = "ABC"[k], path.points[place].growth
         panel.set_title(f"{letter}  growth {growth:.2f}, {panels.numbers(followed, place)}", fontsize=8)
-        at = pial_measures(scene.body, [path.points[place].state["displacement"]])["fold_amplitude"][0]
+        at = fold_amplitude(scene.body, [path.points[place].state["displacement"]])[0]
         axes.annotate(letter, (growth, 1e3 * at), xytext=(4, 4), textcoords="offset points")

@@ -10,17 +10,19 @@ from small import elastic_scene
 from turingfold.geometry import half, semicircle
 from turingfold.growth import TangentialGrowth
 from turingfold.imperfection import Imperfection
-from turingfold.mechanics.arclength import PathStoppedError, equilibria
+from turingfold.mechanics import arclength
+from turingfold.mechanics.arclength import EquilibriumPath, PathPoint, PathStoppedError, equilibria
 from turingfold.mechanics.buckling import buckling
 from turingfold.mechanics.contact import SelfContact
+from turingfold.mechanics.corrector import Corrector, Direction, Place
 from turingfold.mechanics.damping import StiffnessDamping
 from turingfold.mechanics.dynamics import Drag, Inertia
 from turingfold.mechanics.elastic import Elastic
+from turingfold.mechanics.history_dependence import at_rest
 from turingfold.mechanics.march import Progress, march
 from turingfold.mechanics.material import NeoHookean
-from turingfold.mechanics.memory import at_rest
 from turingfold.run import simulate
-from turingfold.scene import Hessian, Scene, SimplePotential, Stepping
+from turingfold.scene import Hessian, NotConvergedError, Scene, SimplePotential, State, Stepping
 from turingfold.tension import AxonalTension
 
 SPAN, HEIGHT = 1.0, 0.3  # of half a shallow von Mises truss
@@ -34,7 +36,7 @@ LOADS = -1.5 * LIMIT, 1.5 * LIMIT  # at t = 0 and t = 1
 class Truss:
     """Two bars of stiffness 1 meet at the last node, which a load pushes down; springs hold the others.
 
-    Energy Σ ½ (l - l₀)² + p w, with p = LOADS[0] + (LOADS[1] - LOADS[0]) t.
+    Energy Σ ½ (l - l₀)² + p w, with p from LOADS[0] at t = 0 to LOADS[1] at t = 1, and constant outside.
     """
 
     reads = ()
@@ -53,7 +55,7 @@ class TrussOperator:
         self.columns = np.concatenate([np.arange(self.n), [self.n - 2]])
 
     def during(self, state, dt):
-        return TrussPotential(self, LOADS[0] + (LOADS[1] - LOADS[0]) * state.time)
+        return TrussPotential(self, np.interp(state.time, [0, 1], LOADS))
 
 
 @dataclass(frozen=True)
@@ -246,6 +248,136 @@ def test_a_path_with_corners_is_followed_around_them(stiffness):
     assert path.limit_points == pytest.approx([1 / 3, 1 / 6], abs=1e-4)
 
 
+@pytest.mark.parametrize(("start", "goes_on"), [(0.32, -1.0), (0.18, 1.0)], ids=["back", "on"])
+def test_processes_are_asked_only_for_times_of_the_scene(monkeypatch, start, goes_on):
+    """A guess beyond a corner is eight arcs away: here before the start, or after the end.
+
+    From the first corner the path leads back to t = 1/6 only.
+    """
+    corrector = Corrector(Scene(body=BODY, terms=(Bent(3.0),)), 0.4)
+    u = 3 * start if goes_on < 0 else 2 - 3 * start
+    place = Place(np.append(np.zeros(2 * BODY.nodes.shape[1] - 1), u / 3.0), start, {})
+    last = corrector.correct(place, Direction(np.zeros_like(place.x), -goes_on))
+    asked, processed = [], corrector.path.processed
+    monkeypatch.setattr(
+        corrector.path, "processed", lambda state, dt: asked.append(state.time + dt) or processed(state, dt)
+    )
+    if goes_on > 0:
+        assert corrector.around(last, 0.06).tangent.time > 0
+    else:
+        with pytest.raises(NotConvergedError, match="no corner"):
+            corrector.around(last, 0.06)
+    assert min(asked) >= 0.0
+    assert max(asked) <= 0.4 + 1e-7  # the difference by which forces are derived
+
+
+def test_a_corrector_that_fails_has_moved_no_more_often_than_it_may(monkeypatch):
+    corrector = Corrector(replace(truss(), stepping=Stepping(tolerance=1e-30)), 1.0)
+    moves, moved = [], corrector._moved
+    monkeypatch.setattr(corrector, "_moved", lambda *where: moves.append(where) or moved(*where))
+    with pytest.raises(NotConvergedError, match="10 iterations"):
+        corrector.correct(corrector.start, Direction(np.zeros_like(corrector.start.x), 1.0))
+    assert len(moves) == 10
+
+
+def test_limit_points_and_what_is_there_are_interpolated():
+    """t = 3 s - 4 s³ turns at s = ±1/2, where the cubics of s are exact."""
+    arc = np.array([-0.9, -0.6, -0.3, 0.1, 0.4, 0.8])
+    points = [
+        PathPoint(
+            state=State(3 * s - 4 * s**3, {}), arc=s, rate=3 - 12 * s**2, growth=1.0, energy=0.0,
+            residual=0.0, negative_pivots=0,
+        )
+        for s in arc
+    ]
+    path = EquilibriumPath(tuple(points))
+    assert path.limit_points == pytest.approx([-1.0, 1.0], rel=1e-12)
+    assert path.at_limit_points(arc**3 + arc) == pytest.approx([-0.625, 0.625], rel=1e-12)
+    assert EquilibriumPath(path.points[:2]).at_limit_points(arc[:2]).size == 0
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A force (u + 2)² + (t - ½)² - r² at the last node: its equilibria are a circle, not seen from t = 0."""
+
+    reads = ()
+
+    def on(self, body):
+        return RingOperator(2 * body.nodes.shape[1])
+
+
+RADIUS = 0.3
+
+
+@dataclass(frozen=True)
+class RingOperator:
+    n: int
+    grounds = True
+
+    def __post_init__(self):
+        object.__setattr__(self, "places", np.arange(self.n))
+
+    def during(self, state, dt):
+        return RingPotential(self, state.time)
+
+
+@dataclass(frozen=True)
+class RingPotential(SimplePotential):
+    operator: RingOperator
+    time: float
+
+    def evaluate(self, x):
+        return RingEvaluation(self, x)
+
+
+class RingEvaluation:
+    curved, grain = True, 0.0
+
+    def __init__(self, potential, x):
+        self.x, self.places = x, potential.operator.places
+        self.u, self.rest = x[-1] + 2, (potential.time - 0.5) ** 2 - RADIUS**2
+        self.energy = 0.5 * float(x[:-1] @ x[:-1]) + float(self.u**3 / 3 + self.rest * self.u)
+
+    def gradient(self):
+        force = self.x.copy()
+        force[-1] = self.u**2 + self.rest
+        return force, 1.0
+
+    def hessian(self, convexity):
+        values = np.ones(len(self.x))
+        values[-1] = 2 * self.u
+        return Hessian(self.places, self.places, values, lasting=True)
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("largest", [1.0, 2.0])
+def test_a_closed_path_is_followed_once(backward, largest):
+    displacement = np.zeros_like(BODY.nodes)
+    displacement[1, -1] = RADIUS - 2
+    start = PathPoint(
+        state=State(0.5, {"displacement": displacement}), arc=0.0, rate=1.0, growth=1.0, energy=0.0,
+        residual=0.0, negative_pivots=0,
+    )
+    with pytest.raises(PathStoppedError, match="come back to its point at arc") as caught:
+        equilibria(
+            Scene(body=BODY, terms=(Ring(),)), start=start, arc=0.02, largest=largest, backward=backward
+        )
+    path = caught.value.path
+    message_names(caught.value, "closed loop", "largest")
+    size = BODY.thickness * np.sqrt(BODY.nodes.shape[1])
+    width = RADIUS / size  # of the ellipse, in arc lengths; its height is RADIUS
+    share = ((RADIUS - width) / (RADIUS + width)) ** 2
+    around = np.pi * (RADIUS + width) * (1 + 3 * share / (10 + np.sqrt(4 - 3 * share)))  # Ramanujan 1914
+    *before, last = path.points
+    apart = [np.abs(p.state["displacement"] - last.state["displacement"]).max() for p in before]
+    met = before[int(np.argmin(apart))]
+    assert min(apart) < 1e-4 * RADIUS
+    assert met.time == pytest.approx(last.time, abs=1e-5)
+    assert 0.98 * around < last.arc - met.arc < around  # of chords
+    assert met.arc <= 0.02 * largest  # no point but the first ones is passed again
+    assert sorted(path.limit_points[:2]) == pytest.approx([0.5 - RADIUS, 0.5 + RADIUS], abs=1e-5)
+
+
 # growing bodies
 
 
@@ -353,6 +485,48 @@ def test_processes_that_remember_are_refused(process):
         equilibria(replace(growing(), processes=(process,)))
 
 
+@dataclass(frozen=True)
+class Late(Compounding):
+    """Growth that remembers its steps from t = 0.7 on, by when they begin or by when they end."""
+
+    share: float = 1.0
+
+    def advance(self, body, state, dt):
+        late = state.time + self.share * dt > 0.7
+        return {"growth": state["growth"] * (1 + dt)} if late else {}
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_processes_that_remember_only_late_are_refused(share):
+    with pytest.raises(ValueError, match="Late"):
+        equilibria(replace(growing(), processes=(Late(share),)))
+
+
+@dataclass(frozen=True)
+class Tabled(Compounding):
+    """Growth after a table that may read the last equilibrium."""
+
+    table: np.ndarray
+    reads: tuple[str, ...] = ()
+
+
+def test_processes_with_arrays_are_told_apart():
+    processes = Tabled(np.ones(3)), Tabled(np.zeros(3), ("displacement", "growth"))
+    with pytest.raises(ValueError, match="processes holds Tabled"):
+        equilibria(replace(growing(), processes=processes))
+
+
+def test_nothing_is_made_for_a_scene_that_is_refused(monkeypatch):
+    def made(self, body, state, seed):
+        raise AssertionError
+
+    monkeypatch.setattr(TangentialGrowth, "start", made)
+    with pytest.raises(ValueError, match="Drag"):
+        equilibria(growing(RESISTING[0]))
+    with pytest.raises(ValueError, match="Drag"):
+        buckling(growing(RESISTING[0]))
+
+
 def test_processes_that_act_on_one_another_are_not_refused():
     noise = Imperfection(of="growth", amplitude=0.01)
     scene = growing()
@@ -371,6 +545,24 @@ def test_a_path_stops_at_the_time_limit():
     scene = replace(growing(), stepping=Stepping(seconds=1e-6))
     with pytest.raises(PathStoppedError, match="time limit"):
         equilibria(scene)
+
+
+def test_a_step_that_ends_after_the_time_limit_is_kept(monkeypatch):
+    clock, step = [0.0], arclength._step
+
+    def slow(*options):
+        clock[0] += 10.0
+        return step(*options)
+
+    monkeypatch.setattr(arclength, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(arclength, "_step", slow)
+    with pytest.raises(PathStoppedError, match="after 3 points") as caught:
+        equilibria(replace(truss(), stepping=Stepping(seconds=15.0)))
+    message_names(caught.value, "15 s", "Stepping(seconds=...)", "start")
+    assert "smallest" not in str(caught.value)
+    assert "nan" not in str(caught.value)
+    assert len(caught.value.path.points) == 3
+    assert caught.value.residual == caught.value.path.points[-1].residual
 
 
 @pytest.mark.parametrize(
@@ -407,3 +599,16 @@ def test_bad_start():
         equilibria(truss(), start=path)
     with pytest.raises(ValueError, match="beyond until"):
         equilibria(truss(), start=path.points[-1], until=0.5 * path.points[-1].time)
+
+
+def test_a_start_that_leads_nowhere():
+    still = replace(equilibria(truss(), steps=3).points[-1], rate=0.0)
+    with pytest.raises(PathStoppedError, match="does not cross the plane") as caught:
+        equilibria(truss(), start=still)
+    assert caught.value.path.points == ()
+
+
+def test_a_start_on_another_mesh():
+    with pytest.raises(ValueError, match="start holds a displacement of shape") as caught:
+        equilibria(growing(), start=equilibria(truss(), steps=1).points[-1])
+    message_names(caught.value, str(BODY.nodes.shape), str(growing().body.nodes.shape), "same mesh")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from turingfold.cli import main
 from turingfold.cli_follow import write_path
-from turingfold.diagram import bifurcation_diagram, pial_measures
+from turingfold.diagram import bifurcation_diagram, fold_amplitude, pial_measures
 from turingfold.geometry import half, semicircle
 from turingfold.mechanics.arclength import EquilibriumPath, PathPoint
 from turingfold.scene import State
@@ -27,6 +27,7 @@ def scenes(quick=False):
     return {
         "calm one": Scene(body=body, terms=terms, processes=(grow,)),
         "hurried": Scene(body=body, terms=terms, processes=(grow,), stepping=Stepping(seconds=1e-9)),
+        "in a rush": Scene(body=body, terms=terms, processes=(grow,), stepping=Stepping(seconds=1e-9)),
     }
 '''
 
@@ -56,7 +57,16 @@ def test_a_path_that_stops_is_written_before_the_error(tmp_path, capsys):
     case, out = tmp_path / "disc.py", tmp_path / "paths"
     case.write_text(CASE)
     assert main(["buckling", str(case), "--follow", str(out)]) == 3
-    assert "time limit" in capsys.readouterr().err
+    shown = capsys.readouterr()
+    told = " ".join(shown.err.split())
+    assert "hurried: The path" in told
+    assert "in a rush: The path" in told
+    assert told.count("time limit of 1e-09 s") == 2
+    table = {line.split("  ")[0]: line for line in shown.out.splitlines()}
+    assert "STOPPED" not in table["calm one"]
+    assert table["hurried"].endswith("STOPPED EARLY")
+    assert table["in a rush"].endswith("STOPPED EARLY")
+    assert str(out) in shown.out
     assert len(rows(out / "hurried.csv")) == 1
     assert len(rows(out / "calm-one.csv")) > 1
     assert (out / "disc.png").exists()
@@ -101,6 +111,8 @@ def test_fold_amplitude_leaves_out_what_moves_as_a_whole():
     path = EquilibriumPath((replace(point, state=State(0.5, {"displacement": outward})),))
     found = pial_measures(body, [point.state["displacement"] for point in path.points])
     assert found["fold_amplitude"] == pytest.approx([0.1 / np.sqrt(2)], rel=1e-3)
+    both = fold_amplitude(body, [outward, 2 * outward])
+    assert both == pytest.approx([0.1 / np.sqrt(2), 0.2 / np.sqrt(2)], rel=1e-3)
     assert found["normal_displacement"] == pytest.approx([0.4], rel=1e-3)
 
 
@@ -120,6 +132,25 @@ def test_unstable_pieces_are_dashed_and_turns_marked():
     assert first.get_xdata() == pytest.approx([1.0, 1.4, 1.5])
     assert second.get_linestyle() == "--"
     assert second.get_xdata() == pytest.approx([1.5, 1.45, 1.3, 1.4])
-    assert turns.get_xdata() == pytest.approx([1.45, 1.4])
+    assert turns.get_xdata().shape == (2,)
     assert axes.get_xlabel() == "growth"
     assert "(T)" in axes.get_ylabel()
+
+
+def test_turns_are_marked_where_they_are_between_the_points():
+    """t = 3 s² - 4 s³ turns at s = 1/2, t = 1/4, where the amplitude of 0.1 s (cos 8θ) is half of 0.1."""
+    body = semicircle(radius=2.0, thickness=0.4, size=0.1)
+    angle = np.arctan2(body.nodes[1], body.nodes[0])
+    wave = np.cos(8 * angle) * np.stack([np.cos(angle), np.sin(angle)])
+    points = [
+        PathPoint(
+            state=State(3 * s**2 - 4 * s**3, {"displacement": 0.1 * s * wave}), arc=s, rate=6 * s - 12 * s**2,
+            growth=1 + 3 * s**2 - 4 * s**3, energy=0.0, residual=0.0, negative_pivots=int(s > 0.5),
+        )
+        for s in (0.1, 0.3, 0.45, 0.6, 0.7)
+    ]
+    axes = Figure().add_subplot()
+    bifurcation_diagram(axes, body, EquilibriumPath(tuple(points)))
+    turns = axes.get_lines()[-1]
+    assert turns.get_xdata() == pytest.approx([1.25], rel=1e-9)
+    assert turns.get_ydata() == pytest.approx([0.05 / np.sqrt(2) / 0.4], rel=1e-3)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from checks import check_balanced, check_derivatives, check_semidefinite, dense
+from checks import check_balanced, check_derivatives, check_semidefinite, dense, message_names
 from scipy.linalg import eigh
 
+from turingfold.cli import main
 from turingfold.geometry import semicircle
 from turingfold.mechanics.damping import StiffnessDamping
 from turingfold.mechanics.dynamics import Drag, Inertia, Mass
@@ -225,5 +226,35 @@ def test_bad_solid_and_scheme():
 
 def test_forces_balance_at_one_time():
     terms = (SOLID, Inertia(density=1.0, scheme="midpoint"), Drag(coefficient=1.0))
-    with pytest.raises(ValueError, match="euler and midpoint"):
+    with pytest.raises(ValueError, match="one time") as failure:
         Scene(body=disc(), terms=terms)
+    message_names(failure.value, "Inertia(scheme='midpoint') and Drag(scheme='euler')")
+    assert "StiffnessDamping" not in str(failure.value)
+
+
+MIDDLE = {"scheme": "midpoint"}
+DAMPED = Drag(coefficient=1.0, **MIDDLE), StiffnessDamping(elastic=SOLID, time=1.0, **MIDDLE)
+
+
+@pytest.mark.parametrize("terms", [DAMPED[:1], DAMPED[1:], DAMPED], ids=["drag", "stiffness", "both"])
+def test_a_middle_of_the_step_needs_a_term_that_moves_on_to_its_end(terms):
+    with pytest.raises(ValueError, match="middle of a step") as failure:
+        Scene(body=disc(), terms=(SOLID, *terms))
+    message_names(failure.value, *(type(term).__name__ for term in terms), 'scheme="euler"', "inertia")
+    Scene(body=disc(), terms=(SOLID, *terms, Inertia(density=1.0, **MIDDLE)))
+
+
+def test_a_sweep_without_inertia_says_why_it_cannot_be(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rod.py").write_text(
+        "from turingfold import Drag, Elastic, Inertia, NeoHookean, Scene, semicircle\n"
+        "def scenes(quick=False):\n"
+        "    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), Inertia(density=1.0, scheme='midpoint'),\n"
+        "             Drag(coefficient=1.0, scheme='midpoint'))\n"
+        "    return {'one': Scene(body=semicircle(radius=1.0, thickness=0.3, size=0.5), terms=terms)}\n"
+    )
+    assert main(["sweep", "rod.py", "--vary", "Inertia=on,off"]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "Drag(scheme='midpoint')" in told
+    assert "middle of a step" in told
+    assert 'scheme="euler"' in told

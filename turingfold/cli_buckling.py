@@ -23,7 +23,7 @@ def report(options: argparse.Namespace) -> str:
     Terms that resist motion are left out: they would only delay what the tangent shows.
     """
     from .mechanics.buckling import buckling
-    from .mechanics.memory import at_rest
+    from .mechanics.history_dependence import at_rest
 
     scenes = load_case(options.case).scenes(quick=options.quick, only=options.only or ())
     found = {name: buckling(at_rest(scene)) for name, scene in scenes.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,11 +14,12 @@ from .cli_figure import save_figure
 from .diagram import MEASURES, bifurcation_diagram, pial_measures
 from .output.files import write_whole
 from .output.history import lines
+from .scene import NotConvergedError
 
 if TYPE_CHECKING:
     from .body import Body
     from .mechanics.arclength import EquilibriumPath
-    from .scene import Scene, SolveError
+    from .scene import Scene
 
 NUMBERS = ("time", "growth", "energy", "negative_pivots", "arc", "rate", "residual")
 
@@ -27,28 +29,32 @@ def follow(options: argparse.Namespace) -> str:
 
     <folder>/<scene>.csv: a row per equilibrium; lengths in m.  <folder>/<case>.png: the amplitude of folds
     against growth, unstable states dashed.
-    Terms that resist motion are left out: equilibria have none. Where a path stops, what was found is
-    written all the same, and the error is raised at the end.
+    Terms that resist motion are left out: equilibria have none. Where paths stop, what was found is written,
+    drawn and printed all the same, and NotConvergedError names their scenes at the end.
     """
     from .mechanics.arclength import PathStoppedError, equilibria
-    from .mechanics.memory import at_rest
+    from .mechanics.history_dependence import at_rest
 
     case = load_case(options.case)
     scenes = case.scenes(quick=options.quick, only=options.only or ())
     paths: dict[str, EquilibriumPath] = {}
-    stopped: list[SolveError] = []
+    stopped: dict[str, PathStoppedError] = {}
     for name, scene in scenes.items():
         try:
             paths[name] = equilibria(at_rest(scene))
         except PathStoppedError as error:
             paths[name] = error.path
-            stopped.append(error)
+            stopped[name] = error
         write_path(options.follow / f"{folder_name(name)}.csv", scene.body, paths[name])
     picture = options.follow / f"{case.name}.png"
     _draw(picture, scenes, paths)
+    told = "\n".join([*_table(paths, stopped), f"paths: {options.follow}", f"figure: {picture}"])
     if stopped:
-        raise stopped[0]
-    return "\n".join([*_table(paths), f"paths: {options.follow}", f"figure: {picture}"])
+        print(told)
+        first = next(iter(stopped.values()))
+        why = "\n".join(f"{name}: {error}" for name, error in stopped.items())
+        raise NotConvergedError(why, time=first.time, residual=first.residual)
+    return told
 
 
 def write_path(file: Path, body: Body, path: EquilibriumPath) -> None:
@@ -61,12 +67,14 @@ def write_path(file: Path, body: Body, path: EquilibriumPath) -> None:
     write_whole(file, f"{head}\n{lines(rows, (*NUMBERS, *MEASURES))}".encode())
 
 
-def _table(paths: dict[str, EquilibriumPath]) -> list[str]:
+def _table(paths: Mapping[str, EquilibriumPath], stopped: Collection[str]) -> list[str]:
     width = max(5, *(len(name) for name in paths))
     rows = [f"{'scene':{width}}  points  reached  limit points at t"]
     for name, path in paths.items():
         turns = ", ".join(f"{time:.4f}" for time in path.limit_points) or "none"
-        rows.append(f"{name:{width}}  {len(path.points):6d}  {path.points[-1].time:7.3f}  {turns}")
+        reached = f"{path.points[-1].time:.3f}" if path.points else "-"
+        end = "  STOPPED EARLY" if name in stopped else ""
+        rows.append(f"{name:{width}}  {len(path.points):6d}  {reached:>7}  {turns}{end}")
     return rows
 
 

@@ -25,42 +25,54 @@ COLOR, TURN = "#0072b2", "#d55e00"
 def pial_measures(body: Body, displacements: Sequence[Array]) -> dict[str, Array]:
     """Return measures of the pial surface for each displacement (2, n_nodes), each (n,); m.
 
-    Mean sulcal depth; largest displacement along its normal at rest; root mean square of that displacement
-    about its mean along the surface, which separates branches that differ in one fold.
+    Mean sulcal depth; largest displacement along its normal at rest; `fold_amplitude`.
     """
-    curve = body.pial_curve
-    normal = curve.nearest(body.nodes[:, body.pial])[1][::-1] * np.array([[1.0], [-1.0]])
     moves = [displacement[:, body.pial] for displacement in displacements]
     shapes = [along_pial(body, body.nodes[:, body.pial] + move) for move in moves]
-    outward = np.array([(normal * move).sum(0) for move in moves]).reshape(len(moves), len(body.pial))
-    arc = body.pial_arc
-    share = np.diff(arc, prepend=arc[0]) + np.diff(arc, append=arc[-1])  # of the surface, of each node
-    share /= share.sum()
-    about = outward - (outward @ share)[:, None]
     closed = pial_closed(body)
     return {
         "sulcal_depth": np.array([sulcal_depth(shape, closed=closed) for shape in shapes]),
-        "normal_displacement": np.abs(outward).max(axis=1),
-        "fold_amplitude": np.sqrt(about**2 @ share),
+        "normal_displacement": np.abs(_outward(body, displacements)).max(axis=1),
+        "fold_amplitude": fold_amplitude(body, displacements),
     }
+
+
+def fold_amplitude(body: Body, displacements: Sequence[Array]) -> Array:
+    """Return how far the pial surface is folded by each displacement (2, n_nodes), (n,); m.
+
+    The root mean square of its displacement along the normal at rest, about the mean along the surface: it
+    separates branches that differ in one fold.
+    """
+    outward, arc = _outward(body, displacements), body.pial_arc
+    share = np.diff(arc, prepend=arc[0]) + np.diff(arc, append=arc[-1])  # of the surface, of each node
+    share /= share.sum()
+    about = outward - (outward @ share)[:, None]
+    return np.asarray(np.sqrt(about**2 @ share))
+
+
+def _outward(body: Body, displacements: Sequence[Array]) -> Array:
+    """Return the displacements of the pial nodes along the normal at rest, (n, n_pial)."""
+    normal = body.pial_curve.nearest(body.nodes[:, body.pial])[1][::-1] * np.array([[1.0], [-1.0]])
+    outward = [(normal * displacement[:, body.pial]).sum(0) for displacement in displacements]
+    return np.array(outward).reshape(len(displacements), len(body.pial))
 
 
 def bifurcation_diagram(axes: Axes, body: Body, path: EquilibriumPath) -> None:
     """Draw the amplitude of folds against growth, or time without growth.
 
-    Unstable states are dashed, limit points marked; the path has at least two points.
+    Unstable states are dashed, limit points marked where they are between the points; the path has at least
+    two points.
     """
     size, unit = length_unit(body)
     name = "growth" if np.ptp(path.of("growth")) > 0 else "time"
     moves = [point.state["displacement"] for point in path.points]
-    load, amplitude = path.of(name), pial_measures(body, moves)["fold_amplitude"] / size
+    load, amplitude = path.of(name), fold_amplitude(body, moves) / size
     stable = path.stable[1:] & path.stable[:-1]  # of the pieces between points
     ends = [0, *(np.flatnonzero(np.diff(stable)) + 1).tolist(), len(stable)]
     for first, last in pairwise(ends):  # as one line each, or dashes would not show on short pieces
         run, style = slice(first, last + 1), "-" if stable[first] else "--"
         axes.plot(load[run], amplitude[run], style, color=COLOR, linewidth=1.4)
-    rate = path.of("rate")
-    turns = np.flatnonzero(rate[1:] * rate[:-1] < 0) + 1
-    axes.plot(load[turns], amplitude[turns], "o", color=TURN, markersize=4)
+    turns = [path.at_limit_points(values) for values in (load, amplitude)]
+    axes.plot(*turns, "o", color=TURN, markersize=4)
     axes.set_xlabel(name)
     axes.set_ylabel(f"fold amplitude ({unit})")

@@ -199,6 +199,10 @@ class Timed(Protocol):
     def scheme(self) -> str:
         """The scheme, "euler" for the end and "midpoint" for the middle of the step."""
 
+    @property
+    def ends_step(self) -> bool:
+        """Whether its potential moves the body on from the middle to the end of the step (`finish`)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
@@ -266,11 +270,16 @@ def _distinct(terms: tuple[Term, ...]) -> None:
 
 
 def _at_one_time(terms: tuple[Term, ...]) -> None:
-    schemes = {term.scheme for term in terms if isinstance(term, Timed)}
-    if len(schemes) > 1:
+    timed = [term for term in terms if isinstance(term, Timed)]
+    names = " and ".join(f"{type(term).__name__}(scheme={term.scheme!r})" for term in timed)
+    if len({term.scheme for term in timed}) > 1:
         raise ValueError(
-            f"terms have different schemes, {' and '.join(sorted(schemes))}, but forces balance at one time; "
-            "give Inertia, Drag and StiffnessDamping the same scheme."
+            f"terms holds {names}, but forces balance at one time of a step; give them the same scheme."
+        )
+    if any(term.scheme == "midpoint" for term in timed) and not any(term.ends_step for term in timed):
+        raise ValueError(
+            f"terms holds {names}, by which forces balance in the middle of a step, but no term that moves "
+            'the body on to its end; give scheme="euler", or add inertia, which does.'
         )
 
 

@@ -6,13 +6,13 @@ between, stable or not, are found with time as an unknown (`corrector`), from a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from ..arrays import Array
 from ..body import by_node
@@ -25,6 +25,11 @@ AIM = 3.5  # iterations of the corrector
 TURN = 0.9  # cosine of the angle by which the path may turn in one step
 STRAY = 0.25  # a correction longer than this share of the arc has left the path,
 CORNER = 10.0  # except at the smallest arcs, with which bends of the path are passed
+SAME = 1e-3  # of a step: closer to an earlier point, the path has come back to it
+
+MORE_TIME = "Give Stepping(seconds=...) more, or go on with the last of them as `start`."
+LOOP = "It is a closed loop; if followed from t = 0, a step has jumped to it: try a smaller `largest`."
+SMALLER = "Try a smaller `smallest`, smaller elements, or less load."
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,16 +70,30 @@ class EquilibriumPath:
         """Whether each point is a minimum of the energy, (n_points,)."""
         return np.array([point.negative_pivots == 0 for point in self.points])
 
-    @cached_property
+    @property
     def limit_points(self) -> Array:
         """Times at which the path turns back, in order; by cubic interpolation from the points around."""
+        return np.array([time for _, time in self._turns])
+
+    def at_limit_points(self, values: Array) -> Array:
+        """Return what has these `values` at the points, (n_points,), where the path turns back.
+
+        It is interpolated by a cubic spline over the arc.
+        """
+        if not self._turns:
+            return np.array([])
+        return np.asarray(CubicSpline(self.of("arc"), values)([arc for arc, _ in self._turns]))
+
+    @cached_property
+    def _turns(self) -> list[tuple[float, float]]:
+        """Arc and time at each limit point."""
         arc, time, rate = self.of("arc"), self.of("time"), self.of("rate")
         found = []
         for k in np.flatnonzero(rate[1:] * rate[:-1] < 0):
             near = slice(k, k + 2)
             curve = CubicHermiteSpline(arc[near], time[near], rate[near])
-            found += [float(curve(s)) for s in curve.derivative().roots(extrapolate=False)]
-        return np.array(found)
+            found += [(float(s), float(curve(s))) for s in curve.derivative().roots(extrapolate=False)]
+        return found
 
 
 class PathStoppedError(NotConvergedError):
@@ -93,13 +112,15 @@ def equilibria(
     """Return the equilibria that are connected with the scene's start, through limit points.
 
     The load is the scene's time. Arcs are measured by ds² = |du|²/thickness² (mean over the nodes) +
-    dt²/scene.until². Without SelfContact walls may pass through each other.
+    dt²/scene.until². Without SelfContact walls may pass through each other. `scene.stepping.solver` plays no
+    part: factors always come from SuperLU, whose pivots count the directions in which the energy falls.
     arc: length of the first step; later ones aim at three or four iterations of the corrector each.
     smallest, largest: bounds of the steps, in units of the first.  steps: most points after the start.
     until: time at which to stop, the scene's end by default; the path also stops where it returns to t = 0.
     start: a point to go on from.  backward: from there, the way that it came.
     Raises ValueError for parts that remember how a state was reached (drag, inertia, a pattern that evolves),
-    PathStoppedError where a step fails at the smallest arc or `scene.stepping.seconds` are over.
+    PathStoppedError where a step fails at the smallest arc, `scene.stepping.seconds` are over, or the path
+    comes back to an earlier point.
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
     first = positive("arc", arc)
@@ -111,27 +132,65 @@ def equilibria(
     if start is None and backward:
         raise ValueError("backward=True needs a start, such as path.points[-1]: nothing comes before t = 0.")
     if start is not None:
-        instance("start", start, PathPoint, "path.points[-1]")
-        if start.time > end:
-            raise ValueError(f"start is at t = {start.time:g}, beyond until={end:g}; give a later `until`.")
+        _check_start(start, scene, end)
     began = perf_counter()
     try:
         corrector = Corrector(scene, end)
         last = _first(corrector, start, backward)
     except SolveError as error:
-        raise _stopped([], error) from error
+        raise _failed([], error) from error
     points, length = [_point(last, 0.0 if start is None else start.arc)], first
     for _ in range(steps):
         if last.place.time == (end if last.tangent.time > 0 else 0.0):
             break
+        if perf_counter() - began > scene.stepping.seconds:
+            over = f"the time limit of {scene.stepping.seconds:g} s is reached"
+            raise _stopped(points, over, MORE_TIME, points[-1])
+        met, length = _ahead(corrector, last, points, (bounds[0], length))
         try:
             last, covered, length = _step(corrector, last, length, bounds)
-            if perf_counter() - began > scene.stepping.seconds:
-                raise NotConvergedError(f"the time limit of {scene.stepping.seconds:g} s is reached")
         except SolveError as error:
-            raise _stopped(points, error) from error
+            raise _failed(points, error) from error
         points.append(_point(last, points[-1].arc + covered))
+        if met is not None and corrector.distance(_place(met), last.place) <= SAME * covered:
+            back = f"it has come back to its point at arc {met.arc:.6g}"
+            raise _stopped(points, back, LOOP, points[-1])
     return EquilibriumPath(tuple(points))
+
+
+def _check_start(start: PathPoint, scene: Scene, end: float) -> None:
+    instance("start", start, PathPoint, "path.points[-1]")
+    if start.time > end:
+        raise ValueError(f"start is at t = {start.time:g}, beyond until={end:g}; give a later `until`.")
+    given, needed = start.state["displacement"].shape, scene.body.nodes.shape
+    if given != needed:
+        raise ValueError(
+            f"start holds a displacement of shape {given}, but the scene's body has nodes of shape {needed}; "
+            "give a point of a path on the same mesh."
+        )
+
+
+def _ahead(
+    corrector: Corrector, last: Balanced, points: list[PathPoint], bounds: tuple[float, float]
+) -> tuple[PathPoint | None, float]:
+    """Return an earlier point before which the path has come again, if there is one, and the step to take.
+
+    A step as long as the way to that point along the tangent ends in it, if the path is a closed loop.
+    bounds: of the step; the longer one is taken where no point is ahead.
+    """
+    for point in points[:-1]:
+        if point.rate * last.tangent.time > 0:
+            place = _place(point)
+            chord = Direction(place.x - last.place.x, place.time - last.place.time)
+            along = corrector.product(chord, last.tangent)
+            straight = along >= (1 - STRAY) * corrector.distance(last.place, place)
+            if straight and bounds[0] <= along <= bounds[1]:
+                return point, along
+    return None, bounds[1]
+
+
+def _place(point: PathPoint) -> Place:
+    return Place(by_node(point.state["displacement"]), point.time, {})
 
 
 def _first(corrector: Corrector, start: PathPoint | None, backward: bool) -> Balanced:
@@ -139,7 +198,7 @@ def _first(corrector: Corrector, start: PathPoint | None, backward: bool) -> Bal
     place, way = corrector.start, 1.0
     if start is not None:
         left = {k: v for k, v in start.state.fields.items() if k not in corrector.path.start.state}
-        place = Place(by_node(start.state["displacement"]), start.time, left)
+        place = replace(_place(start), left=left)
         way = np.sign(start.rate) * (-1.0 if backward else 1.0)
     return corrector.correct(place, Direction(np.zeros_like(place.x), way))
 
@@ -197,12 +256,18 @@ def _point(found: Balanced, arc: float) -> PathPoint:
     )
 
 
-def _stopped(points: list[PathPoint], error: SolveError) -> PathStoppedError:
+def _failed(points: list[PathPoint], error: SolveError) -> PathStoppedError:
+    far = "" if np.isnan(error.residual) else f" (residual {error.residual:.2g})"
+    return _stopped(points, f"{error}{far}", SMALLER, error)
+
+
+def _stopped(
+    points: list[PathPoint], why: str, remedy: str, at: PathPoint | SolveError
+) -> PathStoppedError:
+    """Return the error of a path that stopped after these points, `at` its last one or by an error."""
     where = f"t = {points[-1].time:.6g}, growth {points[-1].growth:.4g}" if points else "its start"
-    time = points[-1].time if points else error.time
     return PathStoppedError(
-        f"The path of equilibria stopped after {len(points)} points at {where}: {error} (residual "
-        f"{error.residual:.2g}). The points so far are kept. Try a smaller `smallest`, smaller elements, or "
-        "less load.",
-        EquilibriumPath(tuple(points)), time=time, residual=error.residual,
+        f"The path of equilibria stopped after {len(points)} points at {where}: {why}. The points so far are "
+        f"kept. {remedy}",
+        EquilibriumPath(tuple(points)), time=points[-1].time if points else at.time, residual=at.residual,
     )

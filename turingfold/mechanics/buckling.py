@@ -20,8 +20,8 @@ from ..checks import finite, instance, positive
 from ..scene import NotConvergedError, Scene, SolveError, State
 from .buckling_path import BasePath, BaseState
 from .factor import largest_growth
+from .history_dependence import resists_motion
 from .march import Progress
-from .memory import resists_motion
 from .pivots import negative_pivots as negative_pivots
 
 VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
@@ -65,17 +65,18 @@ def buckling(scene: Scene) -> Buckling:
     """Return the first loss of stability along the scene's smooth solution.
 
     It is followed in steps of `scene.stepping`. At a bifurcation the critical growth is interpolated; a limit
-    point is found to 1e-4 of the scene's time.
+    point is found to 1e-4 of the scene's time. `scene.stepping.solver` plays no part: factors always come
+    from SuperLU, whose pivots count the negative eigenvalues.
     Raises ValueError for terms that resist motion (inertia, drag): they would stiffen the tangent. Raises
     NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
-    path = BasePath(scene)
     for term in scene.terms:
         if resists_motion(term):
             raise ValueError(
                 f"terms holds {term!r}, which resists motion and hides the loss of stability; leave it out."
             )
+    path = BasePath(scene)
     nodes, limit = _bracket(path)
     base = nodes[-1] if limit else _crossing(path, nodes)
     stiffness, vector = path.lowest(base)

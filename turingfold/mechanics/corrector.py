@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..scene import Evaluation, NotConvergedError, Potential, Scene, SolveError, State
 from .buckling_path import BasePath
-from .memory import refuse_memory
+from .history_dependence import refuse_memory, refuse_motion
 from .pattern import Pattern
 from .pivots import Factors
 from .rays import evaluations
@@ -81,6 +81,7 @@ class Corrector:
 
     def __init__(self, scene: Scene, until: float) -> None:
         """Discretise the scene; raises ValueError if its states are more than functions of time."""
+        refuse_motion(scene)
         self.scene, self.until = scene, until
         self.path = BasePath(scene)
         refuse_memory(scene, self.path.start.state)
@@ -103,15 +104,11 @@ class Corrector:
 
         Raises NotConvergedError if it is not admissible.
         """
-        place, tangent = last.place, last.tangent
-        beyond = place.time + arc * tangent.time
-        time = min(max(beyond, 0.0), self.until)
-        if time != beyond:
-            arc = (time - place.time) / tangent.time
-        move = arc * tangent.x
-        if self._longest(self._potentials(place.time, place.left)[1], place.x, move) < 1.0:
+        place, there = last.place, self._within(last.place, last.tangent, arc)
+        potentials = self._potentials(place.time, place.left)[1]
+        if self._longest(potentials, place.x, there.x - place.x) < 1.0:
             raise NotConvergedError("the path ahead is not admissible", time=place.time)
-        return Place(place.x + move, time, place.left)
+        return there
 
     def correct(self, guess: Place, across: Direction) -> Balanced:
         """Return the equilibrium in the plane through `guess` across a direction.
@@ -125,9 +122,14 @@ class Corrector:
             by_time = self._solved(tangent, self._slope_by_time(here))
             if iteration and here.residual <= self.scene.stepping.tolerance:
                 return self._balanced(here, by_time, tangent.factors.negative, across, iteration)
+            if iteration == ITERATIONS:
+                break
             back = self._solved(tangent, here.slope)
             off = Direction(here.place.x - guess.x + back, here.place.time - guess.time)
-            change = -self.product(across, off) / self.product(across, Direction(by_time, 1.0))
+            crossing = self.product(across, Direction(by_time, 1.0))
+            if not abs(crossing) > 0:
+                raise NotConvergedError("the path does not cross the plane", time=here.place.time)
+            change = -self.product(across, off) / crossing
             time = min(max(here.place.time + change, 0.0), self.until)
             change = time - here.place.time
             here = self._moved(here, Direction(back + change * by_time, change))
@@ -146,12 +148,20 @@ class Corrector:
         there = self._forces(self.ahead(last, 2 * arc))
         by_time = self._solved(self._tangent(there), self._slope_by_time(there))
         way = self._unit(Direction(by_time, 1.0), last.tangent, -1.0)
-        place, length = last.place, 8 * arc
-        guess = Place(place.x + length * way.x, place.time + length * way.time, place.left)
+        length = 8 * arc
+        guess = self._within(last.place, way, length)
         found = self.correct(guess, way)
         if found.negative == last.negative or self.distance(guess, found.place) > length:
-            raise NotConvergedError("the path has no corner here", time=place.time)
+            raise NotConvergedError("the path has no corner here", time=last.place.time)
         return found
+
+    def _within(self, place: Place, way: Direction, arc: float) -> Place:
+        """Return the place at this arc along a direction, or where it leaves the times from 0 to the last."""
+        beyond = place.time + arc * way.time
+        time = min(max(beyond, 0.0), self.until)
+        if time != beyond:
+            arc = (time - place.time) / way.time
+        return Place(place.x + arc * way.x, time, place.left)
 
     def _potentials(self, time: float, left: Mapping[str, Array]) -> tuple[State, tuple[Potential, ...]]:
         state = self.path.processed(self.path.start.state, time).updated(**left)
@@ -175,8 +185,10 @@ class Corrector:
         return _Forces(place, state, potentials, at, slope, residual)
 
     def _slope_by_time(self, here: _Forces) -> Array:
-        """Return ∂G/∂t on the free unknowns; the difference is forward, as loads start at t = 0."""
+        """Return ∂G/∂t on the free unknowns, by a difference to a later time, at the end an earlier one."""
         nudge = NUDGE * self.scene.until
+        if here.place.time + nudge > self.scene.until:
+            nudge = -nudge
         later = Place(here.place.x, here.place.time + nudge, here.place.left)
         return (self._forces(later).slope - here.slope) / nudge
 

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..body import Body, by_node
 from ..checks import instance, one_of, positive
 from ..scene import Hessian, Operator, SimplePotential, State
-from .dynamics import SCHEMES
+from .dynamics import SCHEMES, balanced_at
 from .elastic import Elastic
 
 
@@ -24,7 +24,8 @@ class StiffnessDamping:
     α M + β K₀, under which a small vibration of frequency ω has the damping ratio ζ = (α/ω + β ω)/2.
     elastic: the solid whose stiffness it is, usually that of the scene; a field "stiffness" multiplies it.
     time: β in s (in units of the scene's time).
-    scheme: that of the scene's Inertia; with "midpoint" forces balance after half of the step.
+    scheme: that of the scene's Inertia; with "midpoint" forces balance after half of the step, and the scene
+    needs Inertia, which moves the body on to the end of it.
     It does not resist translation. As K₀ does not turn with the body, it resists rotation at the rate ω once
     the body has turned by an angle φ, with forces in proportion to ω sin φ; use it where rotations are small.
     """
@@ -32,6 +33,8 @@ class StiffnessDamping:
     elastic: Elastic
     time: float
     scheme: str = "euler"
+
+    ends_step = False
 
     def __post_init__(self) -> None:
         instance("elastic", self.elastic, Elastic, "Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))")
@@ -45,8 +48,7 @@ class StiffnessDamping:
 
     def on(self, body: Body) -> DampingOperator:
         """Return the term discretised on `body`."""
-        reach = 1.0 if self.scheme == "euler" else 0.5
-        return DampingOperator(self.elastic.on(body), self.time, reach)
+        return DampingOperator(self.elastic.on(body), self.time, balanced_at(self.scheme))
 
 
 class DampingOperator:

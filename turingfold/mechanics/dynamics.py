@@ -16,6 +16,11 @@ from .entries import HIGH, LOW, lower, pairs
 SCHEMES = ("euler", "midpoint")
 
 
+def balanced_at(scheme: str) -> float:
+    """Return the share of a step after which forces balance by a scheme."""
+    return 1.0 if scheme == "euler" else 0.5
+
+
 @dataclass(frozen=True, kw_only=True)
 class Inertia:
     """Mass per volume of the undeformed body; makes the march a motion from rest, with time in s.
@@ -26,6 +31,8 @@ class Inertia:
 
     density: float
     scheme: str = "euler"
+
+    ends_step = True
 
     def __post_init__(self) -> None:
         positive("density", self.density, remedy="give the mass density in kg/m³, 1100 for brain tissue")
@@ -38,7 +45,7 @@ class Inertia:
 
     def on(self, body: Body) -> InertiaOperator:
         """Return the term discretised on `body`."""
-        return InertiaOperator(Mass(body, self.density), 1.0 if self.scheme == "euler" else 0.5)
+        return InertiaOperator(Mass(body, self.density), balanced_at(self.scheme))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,11 +53,14 @@ class Drag:
     """Force per volume against the velocity, c ∂u/∂t; it carries quasi-static paths through instabilities.
 
     coefficient c in Pa·s/m² (with a dimensionless time: in Pa/m²).
-    scheme: that of the scene's Inertia; with "midpoint" forces balance after half of the step.
+    scheme: that of the scene's Inertia; with "midpoint" forces balance after half of the step, and the scene
+    needs Inertia, which moves the body on to the end of it.
     """
 
     coefficient: float
     scheme: str = "euler"
+
+    ends_step = False
 
     def __post_init__(self) -> None:
         positive("coefficient", self.coefficient, remedy="leave Drag out for none")
@@ -63,7 +73,7 @@ class Drag:
 
     def on(self, body: Body) -> DragOperator:
         """Return the term discretised on `body`."""
-        return DragOperator(Mass(body, self.coefficient), 1.0 if self.scheme == "euler" else 0.5)
+        return DragOperator(Mass(body, self.coefficient), balanced_at(self.scheme))
 
 
 class Mass:
