@@ -1,10 +1,14 @@
 """Half of a mirror-symmetric body gives the numbers of the whole at half the cost."""
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from skfem import MeshTri1
 
+from turingfold.body import Body
 from turingfold.geometry import half, semicircle, semiellipse
 from turingfold.growth import TangentialGrowth
-from turingfold.imperfection import Imperfection
+from turingfold.imperfection import Imperfection, roughened
 from turingfold.mechanics.contact import SelfContact
 from turingfold.mechanics.dynamics import Inertia
 from turingfold.mechanics.elastic import Elastic
@@ -79,8 +83,57 @@ def test_ellipse_with_imperfection_and_inertia():
     check_alike(whole, right, 1e-8)
 
 
-def test_only_symmetric_meshes_can_be_halved():
-    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
-    crooked = type(body)(body.mesh.translated((0.03, 0.0)), 0.2, body.base)
+def area(body):
+    return body.quadrature.weights.sum()
+
+
+def changed(body, **parts):
+    return replace(body, mesh=replace(body.mesh, **parts))
+
+
+def sheared(body):
+    x, y = body.nodes
+    return changed(body, doflocs=np.stack([x, y * (1 + 0.2 * x)]))
+
+
+def cortex_on_the_right(body):
+    kept = np.flatnonzero(body.in_cortex & (body.mesh.p[0][body.mesh.t].mean(0) > 0))
+    return changed(body, _subdomains={"cortex": kept})
+
+
+CROOKED = {
+    "shifted": lambda body: changed(body, doflocs=body.nodes + np.array([[0.03], [0.0]])),
+    "sheared": sheared,
+    "rough": lambda body: roughened(body, 0.005, modes=20, seed=0),
+    "one node": lambda body: changed(body, doflocs=body.nodes + 1e-6 * (np.arange(body.nodes.shape[1]) == 9)),
+    "cortex": cortex_on_the_right,
+}
+
+
+@pytest.mark.parametrize("way", CROOKED)
+def test_only_symmetric_meshes_can_be_halved(way):
+    body = CROOKED[way](semicircle(radius=1.0, thickness=0.2, size=0.1))
     with pytest.raises(ValueError, match="mirror-symmetric"):
-        half(crooked)
+        half(body)
+
+
+def test_a_symmetric_mesh_with_triangles_across_the_line_cannot_be_halved():
+    points = np.array([[-1.0, 1.0, -1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0, 0.5]])
+    mesh = MeshTri1(points, np.array([[0, 1, 4], [1, 3, 4], [3, 2, 4], [2, 0, 4]]).T)
+    sides = {"pial": lambda x: x[1] == 1.0, "base": lambda x: x[1] == 0.0}
+    body = Body(mesh.with_boundaries(sides).with_subdomains({"cortex": [2]}), 0.5)
+    with pytest.raises(ValueError, match="triangles across x = 0"):
+        half(body)
+
+
+@pytest.mark.parametrize("base", ["clamped", "roller"])
+@pytest.mark.parametrize("of", ["shape", "thickness"])
+def test_a_symmetric_roughness_can_be_halved(base, of):
+    smooth = semiellipse(width=2.0, height=0.8, thickness=0.1, size=0.05, base=base)
+    for seed in range(3):
+        rough = roughened(smooth, 0.005, of=of, modes=20, seed=seed, symmetric=True)
+        right = half(rough)
+        assert 2 * area(right) == pytest.approx(area(rough), rel=1e-12)
+        assert 1e-4 < np.abs(rough.nodes - smooth.nodes).max() < 0.03
+        mirrored = rough.nodes * [[-1.0], [1.0]]
+        assert set(map(tuple, mirrored.T.tolist())) == set(map(tuple, rough.nodes.T.tolist()))

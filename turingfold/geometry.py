@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
 from skfem import MeshTri2
 
 from .arrays import Array, Integers
@@ -16,6 +17,8 @@ from .checks import instance, one_of, positive
 from .triangles import straight_mesh
 
 MOST = 2e6  # triangles in the cortex
+SYMMETRIC = 1e-9  # share of the body's length by which mirror images may differ
+FLIP = np.array([[-1.0], [1.0]])  # to the mirror image in x = 0
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
@@ -77,16 +80,22 @@ def semiellipse(
 def half(body: Body) -> Body:
     """Return the half x >= 0 of a mirror-symmetric body; its boundary on x = 0 is named "mirror".
 
-    Raises ValueError if the mesh is not its own mirror image, or the body is half of one already.
+    Raises ValueError if the mesh is not its own mirror image to 1e-9 of the body's length, if triangles lie
+    across x = 0, or if the body is half of one already.
     """
     instance("body", body, Body, "semicircle(radius=0.04, thickness=0.0025, size=0.001)")
     if body.mirror:
         raise ValueError("body has a mirror: it is half of a body already; only a whole one can be halved.")
+    if mirror_images(body) is None:
+        raise ValueError(
+            "the mesh is not its own image in the line x = 0; only a mirror-symmetric mesh can be halved: "
+            "shift its line of symmetry to x = 0, or make it symmetric (roughened(..., symmetric=True))."
+        )
     mesh = body.mesh
     keep = np.flatnonzero(mesh.p[0][mesh.t].mean(0) > 0)
-    tolerance = 1e-9 * body.length
+    tolerance = SYMMETRIC * body.length
     if 2 * len(keep) != mesh.nelements or np.any(mesh.p[0][mesh.t[:, keep]] < -tolerance):
-        raise ValueError("the mesh has triangles across x = 0; only a mirror-symmetric mesh can be halved.")
+        raise ValueError("the mesh has triangles across x = 0; only one with edges along it can be halved.")
     part, nodes = body.part(keep)
     points = mesh.doflocs[:, nodes].copy()
     points[0, np.abs(points[0]) < tolerance] = 0.0
@@ -103,6 +112,28 @@ def half(body: Body) -> Body:
         validate=False,
     )
     return Body(halved, body.thickness, body.base)
+
+
+def mirror_images(body: Body) -> Integers | None:
+    """Return for each node the one at its image in x = 0, (n_nodes,), or None for a body without symmetry.
+
+    Nodes agree to 1e-9 of the body's length; triangles, cortex and named boundaries must agree as well.
+    """
+    distance, nearest = cKDTree(body.nodes.T).query((body.nodes * FLIP).T)
+    image = np.asarray(nearest, dtype=np.int64)
+    if distance.max() > SYMMETRIC * body.length or len(np.unique(image)) < len(image):
+        return None
+    gray, mesh = body.in_cortex, body.mesh
+    parts = [body.triangles[3:, gray], body.triangles[3:, ~gray]]
+    parts += [mesh.nvertices + np.asarray(facets)[None] for facets in (mesh.boundaries or {}).values()]
+    alike = (np.array_equal(_sorted(image[part]), _sorted(part)) for part in parts)
+    return image if all(alike) else None
+
+
+def _sorted(sets: Integers) -> Integers:
+    """Return sets of nodes, one per column, in an order that depends on what is in them only."""
+    inside = np.sort(sets, axis=0)
+    return inside[:, np.lexsort(inside)]
 
 
 # The right half is built from rings, then mirrored: symmetry holds to the last bit.
@@ -234,7 +265,7 @@ def _mirrored(part: _Half) -> MeshTri2:
     n = part.points.shape[1]
     on_axis = part.points[0] == 0.0
     image = np.where(on_axis, np.arange(n), n + np.cumsum(~on_axis) - 1)
-    left = part.points[:, ~on_axis] * np.array([[-1.0], [1.0]])
+    left = part.points[:, ~on_axis] * FLIP
     points = np.concatenate([part.points, left], axis=1)
     triangles = np.stack([part.triangles, image[part.triangles][[0, 2, 1]]], axis=2)
     triangles = np.concatenate([triangles[:, :, 0], triangles[:, :, 1]], axis=1)

@@ -9,6 +9,7 @@ import numpy as np
 from .arrays import Array
 from .body import Body, by_node
 from .checks import between, one_of, positive, whole
+from .geometry import FLIP, mirror_images
 from .scene import State
 
 KINDS = ("growth", "stiffness")
@@ -94,7 +95,7 @@ def roughened(
 
     of "shape": the interface moves alike, and the displacement fades over two cortical thicknesses below it;
     "thickness": it fades from the pial surface to the interface, so that the cortex is thicker and thinner.
-    At the base it fades to nothing.
+    At the base it fades to nothing.  symmetric: about the apex; a mirror-symmetric body stays so to the bit.
     Raises ValueError where it would turn triangles over: use a smaller amplitude or fewer modes there.
     """
     one_of("of", of, ("shape", "thickness"))
@@ -109,8 +110,12 @@ def roughened(
     shift = amplitude * fade * noise(share, modes, seed, symmetric or body.mirror, closed) * normal
     moved = by_node(shift)
     moved[body.supported] = 0.0
+    points = body.nodes + moved.reshape(-1, 2).T
+    images = mirror_images(body) if symmetric else None
+    if images is not None:  # the arc length of the foot is only known to round-off
+        points = 0.5 * (points + FLIP * points[:, images])
     try:
-        return replace(body, mesh=replace(body.mesh, doflocs=body.nodes + moved.reshape(-1, 2).T))
+        return replace(body, mesh=replace(body.mesh, doflocs=points))
     except ValueError as error:
         raise ValueError(
             f"amplitude={amplitude:g} m with modes={modes} turns triangles over; use a smaller amplitude or "
