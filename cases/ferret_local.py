@@ -49,4 +49,4 @@ def scenes(quick=False):
 
 
 def draw(results, figure):
-    panels.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=2, width=4.2)
+    panels.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=3)
