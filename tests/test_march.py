@@ -410,3 +410,20 @@ def test_a_rejected_end_leaves_no_tangent_behind(body, monkeypatch):
     step, _ = next(march(made, begin(made)))
     assert step.numbers["step"] == pytest.approx(0.1)
     assert kept == [None, None]
+
+
+def test_the_time_limit_holds_inside_a_step(body, monkeypatch):
+    clock = iter(np.arange(0.0, 1e6))  # every look at it takes a second
+    monkeypatch.setattr("turingfold.mechanics.march.perf_counter", lambda: float(next(clock)))
+    monkeypatch.setattr("turingfold.mechanics.minimise.perf_counter", lambda: float(next(clock)))
+    made = scene(body, processes=(TangentialGrowth(cortex=3.0),), first=1.0, largest=1.0, seconds=9.0)
+    with pytest.raises(NotConvergedError, match=r"time limit of 9 s.*resume=True") as stopped:
+        run(made)
+    assert stopped.value.time == 0.0
+    assert next(clock) < 40  # not until the step is over
+
+
+def test_a_scene_that_nothing_holds_together_is_refused(body):
+    made = Scene(body=body, terms=(SelfContact(),), processes=(TangentialGrowth(cortex=1.3),))
+    with pytest.raises(ValueError, match=r"resists deformation.*Elastic"):
+        run(made)

@@ -15,7 +15,7 @@ from small import elastic_scene, folding_scene
 from test_results import Breaks
 
 import turingfold
-from turingfold import CorruptFileError, OutputError, load, simulate
+from turingfold import CorruptFileError, OutputError, Stepping, StoppedError, load, simulate
 from turingfold.output.codec import decode, encode
 from turingfold.output.document import difference, stored
 from turingfold.output.files import digest, read_arrays, write_arrays, write_whole, writing
@@ -419,3 +419,14 @@ def test_a_full_disk_keeps_what_was_written(tmp_path, uninterrupted):
     assert len(numbers(out)) == 11
     run(out, resume=True)
     assert_same_result(out, uninterrupted)
+
+
+def test_a_run_that_ran_out_of_time_goes_on_with_more(tmp_path):
+    short = elastic_scene(stepping=Stepping(first=0.1, largest=0.2, seconds=1e-9))
+    with pytest.raises(StoppedError, match="time limit"):
+        simulate(short, tmp_path / "result")
+    longer = elastic_scene(stepping=Stepping(first=0.1, largest=0.2, seconds=100.0))
+    assert simulate(longer, tmp_path / "result", resume=True).converged
+    other = elastic_scene(stepping=Stepping(first=0.1, largest=0.1))
+    with pytest.raises(ValueError, match="another scene"):
+        simulate(other, tmp_path / "result", resume=True)

@@ -1,12 +1,14 @@
 """Running scenes: what comes back, and what a failure leaves."""
 
-from dataclasses import dataclass
+import warnings
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
 
 from turingfold import (
+    CoarseMeshWarning,
     Elastic,
     NotConvergedError,
     Result,
@@ -21,7 +23,7 @@ from turingfold import (
 KEYS = {
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "min_jacobian", "min_gap",
-    "self_intersections", "gyrification_index",
+    "inverted_elements", "self_intersections", "gyrification_index",
     "folds", "sulcal_depth", "mirror_error", "registration", "converged",
 }  # fmt: skip
 
@@ -198,3 +200,24 @@ def test_going_on_and_starting_over_exclude_each_other(tmp_path):
 def test_only_a_scene_can_be_run(scene):
     with pytest.raises(ValueError, match=r"scene=.* must be a Scene object, such as Scene\(body="):
         simulate(scene)
+
+
+def test_elements_that_turn_over_beside_the_integration_points_are_counted():
+    result = simulate(elastic_scene())
+    assert result.summary()["inverted_elements"] == 0
+    body, state = result.scene.body, result.last
+    corner = body.mesh.t[0, body.in_cortex.argmax()]
+    moved = state["displacement"].copy()
+    opposite = body.nodes[:, body.mesh.t[1:3, body.in_cortex.argmax()]].mean(1)
+    moved[:, corner] = 1.6 * (opposite - body.nodes[:, corner])  # through the opposite side
+    turned = replace(result, states=(*result.states[:-1], state.updated(displacement=moved)))
+    assert turned.summary()["inverted_elements"] >= 1
+
+
+def test_a_coarse_cortex_is_warned_about():
+    with pytest.warns(CoarseMeshWarning, match=r"only 1 element\(s\) through the cortex"):
+        simulate(elastic_scene())
+    fine = semicircle(radius=1.0, thickness=0.4, size=0.1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", CoarseMeshWarning)
+        simulate(elastic_scene(body=fine, stepping=Stepping(first=1.0, largest=1.0), until=0.1))

@@ -59,6 +59,7 @@ from .output.files import CorruptFileError as CorruptFileError
 from .output.files import OutputError as OutputError
 from .results import Result as Result
 from .results import load as load
+from .run import CoarseMeshWarning as CoarseMeshWarning
 from .run import StoppedError as StoppedError
 from .run import simulate as simulate
 from .scene import InadmissibleStateError as InadmissibleStateError

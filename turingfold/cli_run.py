@@ -6,6 +6,7 @@ import argparse
 import logging
 import signal
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
@@ -24,12 +25,11 @@ from .output.document import rebuilt, stored
 from .output.folder import check_folder
 from .output.history import read_history
 from .results import Result, Row, length_unit, load
-from .run import simulate
+from .run import ENOUGH, CoarseMeshWarning, simulate
 from .scene import Scene, SolveError
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
 POLL = 0.2  # s between looks at what other processes have done
-ENOUGH = 4  # elements through the cortex: the onset of buckling is then within 0.1 %
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,7 @@ class Job:
 
 def run(options: argparse.Namespace) -> int:
     """Run the scenes, say what became of them, draw the figure; return the exit status."""
+    warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
     case = load_case(options.case, options.vary)
     scenes = case.scenes(quick=options.quick, only=options.only or ())
     base = results_of(case, options)
@@ -196,6 +197,7 @@ _halt: list[Event] = []  # of this process, set by the one that started it
 
 def _prepare(halt: Event) -> None:
     logging.getLogger("skfem").setLevel(logging.ERROR)
+    warnings.simplefilter("ignore", CoarseMeshWarning)
     _halt.append(halt)
 
 
@@ -270,6 +272,8 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
     jacobian = "" if s["min_jacobian"] is None else f"; smallest J* {s['min_jacobian']:.2f}"
+    if s["inverted_elements"]:
+        jacobian += f"; {s['inverted_elements']} element(s) turned over at a corner: use smaller ones"
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
     yield f"pattern: {_gyri(s['registration'])}"
     yield f"results: {base / folder_name(name)}"

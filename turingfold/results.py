@@ -16,6 +16,7 @@ from .body import Body
 from .mechanics.factor import largest_growth
 from .mechanics.march import acting, discretised
 from .scene import Operator, Scene, State, stress_scale
+from .triangles import folded_over
 
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
@@ -74,7 +75,9 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
-        min_jacobian, min_gap (m): smallest of the whole run.  sulcal_depth, mirror_error: m, the latter None
+        min_jacobian, min_gap (m): smallest of the whole run, at integration points and between the straight
+        edges that join neighbouring nodes.  inverted_elements: triangles turned over at a corner or an edge
+        middle, which only the forces around them prevent.  sulcal_depth, mirror_error: m, the latter None
         for a body that is not its own mirror image.  seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
@@ -93,6 +96,7 @@ class Result:
             "residual": _number(last.get("residual", NAN)),
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
+            "inverted_elements": len(folded_over(body.mesh, body.nodes + self.last["displacement"])),
             **self._shape(),
             "converged": self.converged,
         }

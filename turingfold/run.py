@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
     from .output.folder import ResultFolder
 
 CHECKPOINT = 1.0  # s between checkpoints
+ENOUGH = 4  # elements through the cortex: the onset of buckling is then within 0.1 %
+
+
+class CoarseMeshWarning(UserWarning):
+    """Too few elements through a growing cortex for numbers to quote."""
 
 
 class StoppedError(NotConvergedError):
@@ -47,10 +53,12 @@ def simulate(
     frames: states kept on disk, evenly spaced in time.
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
+    Warns (CoarseMeshWarning) of fewer than four elements through a growing cortex.
     Raises StoppedError where no step is possible any more, ValueError where `out` holds something else,
     OutputError (an OSError) where it cannot be written.
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    _warn_if_coarse(scene)
     whole("frames", frames, at_least=1)
     if resume and overwrite:
         raise ValueError(
@@ -64,6 +72,17 @@ def simulate(
 
     with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite) as folder:
         return _Run(scene, frames, progress, folder).to_the_end()
+
+
+def _warn_if_coarse(scene: Scene) -> None:
+    few = scene.body.elements_through_cortex
+    if few < ENOUGH - 0.01 and any("growth" in process.writes for process in scene.processes):
+        warnings.warn(
+            f"only {few:.2g} element(s) through the cortex; folds form too late with fewer than {ENOUGH}, so "
+            "make size= smaller for numbers to quote",
+            CoarseMeshWarning,
+            stacklevel=3,
+        )
 
 
 @dataclass

@@ -37,10 +37,18 @@ def quadratic_mesh(mesh: MeshTri1) -> MeshTri2:
     return MeshTri2(quadratic.doflocs, turned, validate=False, **names)
 
 
+CORNERS_AND_MIDDLES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+
+
+def folded_over(mesh: MeshTri2, nodes: Array) -> Integers:
+    """Return the triangles whose Jacobian at a corner or an edge middle is not positive; nodes: (2, n)."""
+    moved = MeshTri2(np.ascontiguousarray(nodes), mesh.t, validate=False, sort_t=False)
+    return np.flatnonzero((moved.mapping().detDF(CORNERS_AND_MIDDLES) <= 0).any(1))
+
+
 def check_elements(mesh: MeshTri2) -> None:
     """Raise ValueError if a quadratic triangle folds over itself."""
-    corners_and_middles = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
-    jacobian = mesh.mapping().detDF(corners_and_middles)
+    jacobian = mesh.mapping().detDF(CORNERS_AND_MIDDLES)
     if (jacobian <= 0).any():
         k, _ = np.argwhere(jacobian <= 0)[0]
         centre = mesh.p[:, mesh.t[:, k]].mean(1)

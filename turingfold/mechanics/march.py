@@ -114,20 +114,19 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     if progress.memory is not None and progress.memory.point is not None:
         at_hand = acting(operators, progress.state, progress.previous_dt)
         minimiser.remember(at_hand, progress.memory.point)
+    minimiser.deadline = started + stepping.seconds
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
-        if perf_counter() - started > stepping.seconds:
-            raise _stopped(
-                progress.state, until, f"the time limit of {stepping.seconds:g} s is reached", None
-            )
+        if perf_counter() > minimiser.deadline:
+            raise _out_of_time(progress.state, scene)
         dt = min(progress.dt, until - progress.state.time)
         if until - progress.state.time - dt < 0.01 * dt:
             dt = until - progress.state.time
         try:
             step = _attempt(scene, operators, minimiser, progress, dt, perf_counter())
         except SolveError as error:
-            if dt / 2 < stepping.smallest * until:
-                raise _stopped(progress.state, until, str(error), error) from error
+            if perf_counter() <= minimiser.deadline and dt / 2 < stepping.smallest * until:
+                raise _stopped(progress.state, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
@@ -203,12 +202,20 @@ def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:
     }
 
 
-def _stopped(state: State, until: float, reason: str, cause: SolveError | None) -> NotConvergedError:
-    residual = cause.residual if cause is not None else float("nan")
+def _stopped(state: State, until: float, cause: SolveError) -> NotConvergedError:
+    residual = f" (residual {cause.residual:.2g})" if np.isfinite(cause.residual) else ""
     return NotConvergedError(
-        f"The march stopped at t = {state.time:.6g} of {until:g}: {reason} (residual {residual:.2g}). The "
-        "last good state is kept. Try smaller steps (Stepping(largest=...)), smaller elements, less load, or "
-        "Drag(...).",
+        f"The march stopped at t = {state.time:.6g} of {until:g}: {cause}{residual}. The last good state is "
+        "kept. Try smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
         time=state.time,
-        residual=residual,
+        residual=cause.residual,
+    )
+
+
+def _out_of_time(state: State, scene: Scene) -> NotConvergedError:
+    return NotConvergedError(
+        f"The march stopped at t = {state.time:.6g} of {scene.until:g}: the time limit of "
+        f"{scene.stepping.seconds:g} s is reached. The last good state is kept. Try another "
+        "Stepping(seconds=...); a run with results in a folder goes on with it by resume=True.",
+        time=state.time,
     )

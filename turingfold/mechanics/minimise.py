@@ -100,6 +100,7 @@ class Minimiser:
         self.gatherer = Gatherer(n_dofs, fixed, None if memory is None else memory.places)
         self.tolerance, self.iterations = tolerance, iterations
         self.effort = Effort()
+        self.deadline = float("inf")  # by perf_counter
         self._kind = solver
         self._solver: Solver | None = None
         self._solver_pattern: object = None
@@ -140,6 +141,7 @@ class Minimiser:
                 return Equilibrium(x, sum(e.energy for e in at), residual, negative)
             if iteration == self.iterations:
                 break
+            self._heed_deadline(residual)
             # a factorisation costs more than two steps: keep the last one while two at this rate will do
             if tangent is None or residual * (residual / before) ** 2 > self.tolerance:
                 tangent = self._factorized_convex(at, x)
@@ -147,6 +149,10 @@ class Minimiser:
             x, at = self._search(potentials, x, at, slope, direction, residual)
             self.effort.iterations += 1
         raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
+
+    def _heed_deadline(self, residual: float) -> None:
+        if perf_counter() > self.deadline:
+            raise NotConvergedError("the time is over", residual=residual)
 
     def _slope(self, at: list[Evaluation]) -> tuple[Array, float]:
         parts = [e.gradient() for e in at]
@@ -229,6 +235,7 @@ class Minimiser:
         merit, fall = sum(ray.start for ray in along), decrease + sum(ray.excess for ray in along)
         noise = sum(e.grain for e in at)  # near the minimum, round-off hides the decrease
         while step > SHORTEST:
+            self._heed_deadline(residual)
             there = reached(along, step)
             if there is not None and there[0] <= merit + ARMIJO * step * fall + noise:
                 end = x + step * direction, there[1]

@@ -77,7 +77,9 @@ class Gatherer:
         self.places = np.zeros(0, dtype=np.int64)
 
     def gather(self, hessians: list[Hessian]) -> tuple[Pattern, Array]:
-        """Return the pattern and the values of the sum of the Hessians."""
+        """Return the pattern and the values of the sum of the Hessians; raises ValueError for none."""
+        if not hessians:
+            raise ValueError("no term of the scene resists deformation; add one such as Elastic(...).")
         slots = self._slots(hessians) if self._pattern is not None else None
         while slots is None:
             self._make_room(hessians)

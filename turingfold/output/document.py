@@ -57,13 +57,16 @@ def rebuilt(document: Mapping[str, Any], arrays: Arrays, known: Iterable[Any] = 
 
 
 def difference(old: Any, new: Any, ignoring: Sequence[str] = (), name: str = "") -> str:
-    """Return the first place where two JSON values differ, as text; "" where they do not."""
+    """Return the first place where two JSON values differ, as text; "" where they do not.
+
+    ignoring: places that may differ, such as "scene.stepping.seconds".
+    """
     if isinstance(old, dict) and isinstance(new, dict):
         for key in [*old, *(k for k in new if k not in old)]:
-            if key not in ignoring:
-                found = difference(old.get(key), new.get(key), ignoring, f"{name}.{key}" if name else key)
-                if found:
-                    return found
+            path = f"{name}.{key}" if name else key
+            found = "" if path in ignoring else difference(old.get(key), new.get(key), ignoring, path)
+            if found:
+                return found
         return ""
     if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
         pairs = enumerate(zip(old, new, strict=True))

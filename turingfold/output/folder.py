@@ -184,7 +184,7 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         return
     if overwrite:
         return
-    other = difference(read_json(described), document, ignoring=("versions",))
+    other = difference(read_json(described), document, ignoring=("versions", "scene.stepping.seconds"))
     if resume and other:
         raise ValueError(
             f"{path} holds the result of another scene: {other}. Resume with the scene it was "
