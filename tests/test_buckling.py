@@ -10,6 +10,7 @@ from skfem import MeshTri1
 from turingfold.body import Body
 from turingfold.geometry import half, semicircle
 from turingfold.growth import TangentialGrowth
+from turingfold.histories import Table
 from turingfold.mechanics.buckling import buckling, half_waves, negative_pivots
 from turingfold.mechanics.buckling_path import BasePath
 from turingfold.mechanics.dynamics import Drag
@@ -249,7 +250,31 @@ def test_half_a_clamped_disc_ends_at_a_limit_point_from_which_it_snaps():
     assert jumps[1] > 4 * jumps[0]
 
 
+PACES = {
+    "late start": Table(times=(0.3, 1.0), shares=(0.0, 1.0)),
+    "pause": Table(times=(0.0, 0.3, 0.5, 1.0), shares=(0.0, 0.3, 0.3, 1.0)),
+    "nine times faster": Table(times=(0.0, 0.5, 1.0), shares=(0.0, 0.1, 1.0)),
+}
+
+
+@pytest.mark.parametrize("pace", PACES)
+def test_the_pace_of_growth_changes_not_how_much_of_it_buckles(pace):
+    scene = grown(disc(0.2, 1))
+    uneven = replace(scene, processes=(replace(scene.processes[0], history=PACES[pace]),))
+    steady, found = buckling(scene), buckling(uneven)
+    assert not found.limit
+    assert found.growth == pytest.approx(steady.growth, rel=1e-3)
+    assert found.mode == steady.mode
+    assert found.growth == pytest.approx(PACES[pace].factor(2.0, found.time), rel=1e-12)
+
+
 # failures
+
+
+def test_a_scene_without_growth_stays_stable():
+    with pytest.raises(NotConvergedError) as caught:
+        buckling(replace(grown(disc(0.2, 1)), processes=()))
+    message_names(caught.value, "No loss of stability until t = 1")
 
 
 def test_a_scene_that_stays_stable_says_how_far_it_grew():

@@ -121,7 +121,7 @@ def mirror_images(body: Body) -> Integers | None:
     """
     distance, nearest = cKDTree(body.nodes.T).query((body.nodes * FLIP).T)
     image = np.asarray(nearest, dtype=np.int64)
-    if distance.max() > SYMMETRIC * body.length or len(np.unique(image)) < len(image):
+    if np.max(distance) > SYMMETRIC * body.length or len(np.unique(image)) < len(image):
         return None
     gray, mesh = body.in_cortex, body.mesh
     parts = [body.triangles[3:, gray], body.triangles[3:, ~gray]]

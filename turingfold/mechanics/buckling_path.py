@@ -18,6 +18,7 @@ from .pivots import Indefinite, symmetric
 from .rays import evaluations, rays, reached
 
 STRAY = 1.0  # a correction larger than this share of the step itself has left the base path
+NOTHING = 1e-9  # root mean square of a displacement, as a share of the body's length, that is none
 ITERATIONS = 15  # of Newton's method on the base path; it needs four or five
 
 
@@ -75,35 +76,64 @@ class BasePath:
         """
         state, old = self.processed(start, dt), by_node(start["displacement"])
         potentials = self.potentials(state, dt)
-        guess = old if ahead is None else old + ahead
-        if evaluations(potentials, guess) is None:
-            guess = old
-        x, tangent, pattern, negative = self._newton(potentials, guess)
-        if ahead is not None and np.linalg.norm(x - old - ahead) > STRAY * np.linalg.norm(ahead):
-            raise NotConvergedError("Newton leaves the base path", time=state.time)
+        try:
+            found = self._newton(potentials, old, ahead)
+        except NotConvergedError:
+            if ahead is None:
+                raise
+            # the processes may have changed their pace: then the linear response to them is what to expect
+            found = self._newton(potentials, old, self._response(potentials, old))
+        x, tangent, pattern, negative = found
         for potential in potentials:
             state = state.updated(**potential.finish(x))
         state = state.updated(displacement=x.reshape(-1, 2).T.copy())
         return BaseState(state, x, pattern, tangent, negative)
 
-    def _newton(self, potentials: Sequence[Potential], x: Array) -> tuple[Array, Array, Pattern, int]:
+    def _newton(
+        self, potentials: Sequence[Potential], old: Array, ahead: Array | None
+    ) -> tuple[Array, Array, Pattern, int]:
+        """Return the equilibrium near old + ahead, with its tangent, pattern and negative pivots."""
+        x = old if ahead is None else old + ahead
         at = evaluations(potentials, x)
+        if at is None:
+            x, at = old, evaluations(potentials, old)
         if at is None:
             raise NotConvergedError("the start of the step is not admissible")
         for iteration in range(ITERATIONS):
-            parts = [e.gradient() for e in at]
-            slope = np.sum([g for g, _ in parts], axis=0)[self.gatherer.free]
-            residual = float(np.linalg.norm(slope) / np.sqrt(sum(s for _, s in parts) or 1.0))
-            pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
-            factors = self.solver(pattern).factorize(tangent)
+            tangent, pattern, negative, residual, decrease, direction = self._linearised(at)
             if residual <= self.scene.stepping.tolerance and iteration > 0:
-                return x, tangent, pattern, factors.negative
-            move = -factors.solve(slope)
-            move -= factors.solve(pattern.times(tangent, move) + slope)
-            direction = np.zeros(len(x))
-            direction[self.gatherer.free] = move
-            x, at = _moved(potentials, at, x, direction, float(slope @ move))
+                self._check_near(x - old, ahead)
+                return x, tangent, pattern, negative
+            x, at = _moved(potentials, at, x, direction, decrease)
         raise NotConvergedError("Newton does not find the base path", residual=residual)
+
+    def _check_near(self, change: Array, ahead: Array | None) -> None:
+        """Raise NotConvergedError for a change of displacement too far from the expected one."""
+        if ahead is None:
+            return
+        floor = NOTHING * self.scene.body.length * np.sqrt(len(change))
+        if np.linalg.norm(change - ahead) > max(STRAY * np.linalg.norm(ahead), floor):
+            raise NotConvergedError("Newton leaves the base path")
+
+    def _response(self, potentials: Sequence[Potential], x: Array) -> Array:
+        """Return the first Newton step from x, (2 n_nodes,)."""
+        at = evaluations(potentials, x)
+        if at is None:
+            raise NotConvergedError("the start of the step is not admissible")
+        return self._linearised(at)[-1]
+
+    def _linearised(self, at: list[Evaluation]) -> tuple[Array, Pattern, int, float, float, Array]:
+        """Return tangent, its pattern and negative pivots, residual, slope along Newton's step, that step."""
+        parts = [e.gradient() for e in at]
+        slope = np.sum([g for g, _ in parts], axis=0)[self.gatherer.free]
+        residual = float(np.linalg.norm(slope) / np.sqrt(sum(s for _, s in parts) or 1.0))
+        pattern, tangent = self.gatherer.gather([e.hessian(0.0) for e in at if e.curved])
+        factors = self.solver(pattern).factorize(tangent)
+        move = -factors.solve(slope)
+        move -= factors.solve(pattern.times(tangent, move) + slope)
+        direction = np.zeros(self.gatherer.n_dofs)
+        direction[self.gatherer.free] = move
+        return tangent, pattern, factors.negative, residual, float(slope @ move), direction
 
     def between(self, nodes: Sequence[BaseState], time: float) -> BaseState:
         """Return the state at `time` with the displacement, and what the terms remember, interpolated."""
