@@ -34,12 +34,12 @@ def test_many_points_in_a_dense_curve_take_little_memory():
 
 
 def test_many_segments_that_meet_take_little_memory():
-    rays = np.linspace(0.1, 1.4, 400)
+    rays = np.linspace(0.1, 1.4, 100)
     outward = np.stack([np.cos(rays), np.sin(rays)]) * np.array([0.5, 1.5])[:, None, None]
     (i, _, s, _), memory = peak(intersections, outward, circle(100_000))
-    assert np.array_equal(np.sort(i), np.arange(400))
-    assert s == pytest.approx(np.full(400, 0.5), abs=1e-9)
-    assert memory < 400
+    assert np.array_equal(np.sort(i), np.arange(100))
+    assert s == pytest.approx(np.full(100, 0.5), abs=1e-9)
+    assert memory < 300  # 1e7 pairs at once take 560 MB
 
 
 @pytest.mark.parametrize("reverse", [False, True])
