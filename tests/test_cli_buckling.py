@@ -31,6 +31,28 @@ def test_table_and_figure(tmp_path, capsys):
     assert figure.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_stable_scene_is_named_beside_the_others(tmp_path, capsys):
+    case, figure = tmp_path / "disc.py", tmp_path / "modes.png"
+    less = "import dataclasses\n" + CASE.replace("return {name: Scene(", "made = {name: Scene(") + """
+    calm = dataclasses.replace(made["plain"], processes=(TangentialGrowth(cortex=1.2),))
+    return {"calm": calm, "plain": made["plain"]}
+"""
+    case.write_text(less)
+    assert main(["buckling", str(case), "--figure", str(figure)]) == 3  # as for scenes that stop
+    printed = capsys.readouterr()
+    calm, plain = printed.out.splitlines()[1:3]
+    assert calm.split()[:4] == ["calm", "-", "-", "-"]
+    assert "stable" in calm
+    assert plain.split()[0] == "plain"
+    assert float(plain.split()[1]) == pytest.approx(1.7846, rel=0.02)
+    assert "calm: No loss of stability until t = 1" in printed.err
+    assert "plain" not in printed.err
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    assert main(["buckling", str(case), "--only", "calm", "--figure", str(tmp_path / "none.png")]) == 3
+    assert "not drawn" in capsys.readouterr().out
+    assert not (tmp_path / "none.png").exists()
+
+
 def test_an_unknown_scene_is_refused(tmp_path, capsys):
     case = tmp_path / "disc.py"
     case.write_text(CASE)

@@ -9,10 +9,10 @@ import numpy as np
 
 from .cli_case import load_case
 from .cli_figure import save_figure
+from .scene import NotConvergedError, Scene, SolveError
 
 if TYPE_CHECKING:
     from .mechanics.buckling import Buckling
-    from .scene import Scene
 
 SHOWN = 0.1  # largest displacement of a drawn mode, as a share of the body's length
 
@@ -21,21 +21,38 @@ def report(options: argparse.Namespace) -> str:
     """Return critical growth, mode and time of each scene of a case as a table; draw the modes on request.
 
     Terms that resist motion are left out: they would only delay what the tangent shows.
+    Raises NotConvergedError, after printing the table, naming the scenes that have no loss of stability.
     """
     from .mechanics.buckling import buckling
     from .mechanics.history_dependence import at_rest
 
     scenes = load_case(options.case).scenes(quick=options.quick, only=options.only or ())
-    found = {name: buckling(at_rest(scene)) for name, scene in scenes.items()}
-    width = max(len(name) for name in found)
+    found: dict[str, Buckling] = {}
+    stopped: dict[str, SolveError] = {}
+    for name, scene in scenes.items():
+        try:
+            found[name] = buckling(at_rest(scene))
+        except SolveError as error:
+            stopped[name] = error
+    width = max(len(name) for name in scenes)
     rows = [f"{'scene':{width}}  critical growth  half waves    time"]
-    for name, one in found.items():
-        kind = "  (limit point)" if one.limit else ""
-        rows.append(f"{name:{width}}  {one.growth:15.4f}  {one.mode:10d}  {one.time:6.3f}{kind}")
+    for name, scene in scenes.items():
+        if name in stopped:
+            kind = "stable until its end" if stopped[name].time >= scene.until else "not followed to its end"
+            rows.append(f"{name:{width}}  {'-':>15}  {'-':>10}  {'-':>6}  ({kind})")
+        else:
+            one = found[name]
+            kind = "  (limit point)" if one.limit else ""
+            rows.append(f"{name:{width}}  {one.growth:15.4f}  {one.mode:10d}  {one.time:6.3f}{kind}")
     if options.figure is not None:
-        _draw(options, scenes, found)
-        rows.append(f"figure: {options.figure}")
-    return "\n".join(rows)
+        if found:
+            _draw(options, scenes, found)
+        rows.append(f"figure: {options.figure if found else 'not drawn, no scene buckles'}")
+    table = "\n".join(rows)
+    if stopped:
+        print(table)
+        raise NotConvergedError("\n".join(f"{name}: {error}" for name, error in stopped.items()))
+    return table
 
 
 def _draw(options: argparse.Namespace, scenes: dict[str, Scene], found: dict[str, Buckling]) -> None:
