@@ -1,9 +1,12 @@
 """Inertia and drag: energy and momentum balances, and the quasi-static limit."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from turingfold.geometry import semicircle
+from turingfold.growth import TangentialGrowth
 from turingfold.mechanics.dynamics import Drag, Inertia, Mass
 from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import Progress, begin, march
@@ -126,3 +129,21 @@ def test_bad_density(bad):
 def test_unknown_scheme():
     with pytest.raises(ValueError, match="'euler', 'midpoint'"):
         Inertia(density=1.0, scheme="leapfrog")
+
+
+def test_midpoint_is_of_second_order_with_growth():
+    """Growth, like every load, is that of the time at which forces balance."""
+    ends = []
+    body = semicircle(radius=1.0, thickness=0.3, size=0.3)
+    solid, mass = Elastic(gray=NeoHookean(1.0, 5.0)), Inertia(density=1.0, scheme="midpoint")
+    for steps in (40, 80, 160):  # waves through an element take 0.1
+        made = Scene(
+            body=body,
+            terms=(solid, mass, Drag(coefficient=0.2, scheme="midpoint")),
+            processes=(TangentialGrowth(cortex=1.3),),
+            until=0.4,
+            stepping=Stepping(first=1 / steps, largest=1 / steps, tolerance=1e-12),
+        )
+        ends.append(list(march(made, begin(made)))[-1][0].x)
+    errors = [np.abs(one - other).max() for one, other in pairwise(ends)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)

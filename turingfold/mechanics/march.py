@@ -18,6 +18,7 @@ from ..scene import (
     Scene,
     SolveError,
     State,
+    Timed,
     stress_scale,
 )
 from ..stepping import Stepping
@@ -101,6 +102,11 @@ def acting(operators: Sequence[Operator], state: State, dt: float) -> tuple[Pote
     return tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
 
 
+def in_the_middle(scene: Scene) -> bool:
+    """Return whether forces balance in the middle of each step, with the fields of that time."""
+    return any(isinstance(term, Timed) and term.scheme == "midpoint" for term in scene.terms)
+
+
 def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
     """Yield each accepted step, and the progress from which the next one starts.
 
@@ -146,31 +152,36 @@ def _attempt(
     scene: Scene, operators: list[Operator], minimiser: Minimiser, progress: Progress, dt: float, began: float
 ) -> Step:
     """Take one step from untouched data."""
-    state, effort = progress.state, minimiser.effort
+    old, effort = progress.state, minimiser.effort
     iterations, factorizations = effort.iterations, effort.factorizations
-    time = state.time + dt
-    fields = processed(scene, state, dt)
-    for name, values in fields.items():
-        if not np.isfinite(values).all():
-            raise InadmissibleStateError(f"the field {name!r} is not finite at t = {time:.4g}", time=time)
+    state = _onward_by(scene, old, dt)
+    potentials = at_end = acting(operators, state, dt)
+    if in_the_middle(scene):
+        potentials = acting(operators, _onward_by(scene, old, 0.5 * dt), dt)
     effort.add("processes", began)
-    state = state.updated(time, **fields)
-    potentials = acting(operators, state, dt)
-    start = by_node(progress.state["displacement"])
-    found = minimiser.minimise(potentials, start, _predicted(potentials, progress, dt))
+    found = minimiser.minimise(potentials, by_node(old["displacement"]), _predicted(potentials, progress, dt))
     state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
     end = by_node(state["displacement"])
-    if not np.array_equal(end, found.x):
+    if in_the_middle(scene) or not np.array_equal(end, found.x):
         minimiser.forget()
     numbers = {
-        **_numbers(found, time, dt),
+        **_numbers(found, state.time, dt),
         "newton_iterations": effort.iterations - iterations,
         "factorizations": effort.factorizations - factorizations,
         "seconds": perf_counter() - began,
     }
-    for potential in potentials:
+    for potential in at_end:
         numbers |= potential.measure(end)
-    return Step(state, numbers, potentials, dict(effort.seconds))
+    return Step(state, numbers, at_end, dict(effort.seconds))
+
+
+def _onward_by(scene: Scene, state: State, dt: float) -> State:
+    """Return the state with the fields that the processes have dt later, all finite."""
+    time, fields = state.time + dt, processed(scene, state, dt)
+    for name, values in fields.items():
+        if not np.isfinite(values).all():
+            raise InadmissibleStateError(f"the field {name!r} is not finite at t = {time:.4g}", time=time)
+    return state.updated(time, **fields)
 
 
 def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> State:
