@@ -54,6 +54,38 @@ def test_the_area_of_the_curved_mesh_converges_with_order_four():
     assert np.log2(errors[0] / errors[1]) > 3.5
 
 
+@pytest.mark.parametrize("unit", [1e3, 1e-3, 0.3048])
+def test_the_mesh_is_the_same_in_any_unit(petals, unit):
+    scaled = outline(unit * flower(), thickness=0.1 * unit, size=0.05 * unit)
+    assert np.array_equal(scaled.mesh.t, petals.mesh.t)
+    assert scaled.nodes / unit == pytest.approx(petals.nodes, abs=1e-12)
+
+
+@pytest.mark.parametrize("offset", [17.3, 1e4])
+def test_a_shifted_body_has_the_same_mesh(petals, offset):
+    shifted = outline(flower() + offset, thickness=0.1, size=0.05)
+    assert np.array_equal(shifted.mesh.t, petals.mesh.t)
+    lost = 1e3 * np.finfo(float).eps * offset  # coordinates have so few digits left, curvatures fewer still
+    assert shifted.nodes - offset == pytest.approx(petals.nodes, abs=lost)
+
+
+@pytest.mark.parametrize("points", [circle(), flower()])
+def test_a_body_is_meshed_a_million_lengths_from_the_origin(points):
+    """Its points are known to 1e-10 only, so that triangles that are equally good may be swapped."""
+    near, far = (outline(points + offset, thickness=0.1, size=0.05) for offset in (0.0, 1e6))
+    assert far.mesh.nelements == near.mesh.nelements
+    assert far.quadrature.weights.sum() == pytest.approx(near.quadrature.weights.sum(), rel=1e-8)
+
+
+def test_ends_of_the_base_lie_on_the_outline():
+    points, options = half_circle(), {"thickness": 0.1, "size": 0.05, "base": "roller"}
+    body = outline(points, base_ends=((-1.0, -0.03), (1.03, 0.0)), **options)
+    assert body.nodes[1, body.boundary_path("base")[0]] == pytest.approx(0.0, abs=1e-12)
+    for ends in (((-1, 0), (1, -50)), ((-1.06, 0), (1, 0)), ((-1000, 0), (1000, 0))):
+        with pytest.raises(ValueError, match=r"base_ends: .* from the outline, more than size=0\.05 m"):
+            outline(points, base_ends=ends, **options)
+
+
 def test_depth_and_normal_of_a_disc_are_radial(disc):
     x, y = disc.quadrature.points
     radius = np.hypot(x, y)

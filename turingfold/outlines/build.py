@@ -70,7 +70,8 @@ def outline(
     edge in the cortex) in m; below the cortex elements grow by `grading` m per m of depth.
     base: "free" (the whole curve may be pial), "clamped" or "roller"; the last two need
     base_ends: two points ((x, y), (x, y)) in m; the base runs counter-clockwise along the outline from the
-    point of the curve nearest the first to the one nearest the second. The rest is pial.
+    point of `points` nearest the first to the one nearest the second, each within `size` of the outline. The
+    rest is pial.
     smooth: take away details of the pial surface shorter than this, in m.
     tight: where the thickness exceeds the radius of curvature, or half the distance of opposite sides,
     "refuse" (the message says where) or "trim": the interface, elsewhere the line at the depth `thickness`,
@@ -80,7 +81,7 @@ def outline(
     """
     _check_options(thickness, size, base, base_ends, smooth, tight, grading)
     loop = closed_outline(points)
-    free, ground = _parts(loop, base_ends)
+    free, ground = _parts(loop, base_ends, size)
     pial = line(thinned(free, ground is None, 0.1 * size), ground is None, smooth)
     around = pial.at(pial.spaced(0.25 * size))
     if ground is not None:
@@ -135,11 +136,19 @@ class _Plan:
     middles: dict[tuple[int, int], Array]
 
 
-def _parts(loop: Array, base_ends: Any) -> tuple[Array, Array | None]:
+def _parts(loop: Array, base_ends: Any, size: float) -> tuple[Array, Array | None]:
     """Return the pial points, and the base from the end of the pial surface to its start if there is one."""
     if base_ends is None:
         return loop, None
     ends = finite_array("base_ends", base_ends, (2, 2))
+    for x, y in ends:
+        distance, (near, level) = _nearest(loop, np.array([x, y]))
+        if distance > size:
+            raise ValueError(
+                f"base_ends: ({x:.4g}, {y:.4g}) m is {distance:.3g} m from the outline, more than size="
+                f"{size:g} m; its nearest point is ({near:.4g}, {level:.4g}) m. Give points on the outline, "
+                "in its unit."
+            )
     first, last = (int(np.argmin(np.hypot(*(loop - end[:, None])))) for end in ends)
     if first == last:
         raise ValueError(
@@ -149,6 +158,15 @@ def _parts(loop: Array, base_ends: Any) -> tuple[Array, Array | None]:
     turned = np.roll(loop, -first, axis=1)
     count = (last - first) % loop.shape[1]
     return np.concatenate([turned[:, count:], turned[:, :1]], axis=1), turned[:, : count + 1]
+
+
+def _nearest(loop: Array, point: Array) -> tuple[float, Array]:
+    """Return the distance of a point (2,) from a closed polygon (2, n), and the nearest point of it."""
+    closed = np.concatenate([loop, loop[:, :1]], axis=1)
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=1)))])
+    at = _along(closed, arc, point)
+    foot = np.array([np.interp(at, arc, x) for x in closed])
+    return float(np.hypot(*(point - foot))), foot
 
 
 def _edge_lengths(pial: Line, size: float, grading: float, finest: Size) -> tuple[Array, Array]:

@@ -21,6 +21,7 @@ Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 ROUNDS = 60
 RELAXATIONS = 12
 WORST = 20.0  # degrees
+GRAIN = 2.0**-24  # of the extent: smaller differences are round-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +43,42 @@ def fill(frame: Frame, size: Size) -> tuple[Array, Integers]:
 
     Raises ValueError if an edge of the frame cannot be kept, or an angle stays below 20 degrees.
     """
+    near, local, place = _normalised(frame, size)
     free = np.empty((2, 0))
     for _ in range(ROUNDS):
-        points, triangles = _triangulated(frame, free)
-        more = _missing_points(frame, points, triangles, size)
+        points, triangles = _triangulated(near, free)
+        more = _missing_points(near, points, triangles, local)
         if not more.shape[1]:
             break
         free = np.concatenate([free, more], axis=1)
     for _ in range(RELAXATIONS):
-        points, triangles = _triangulated(frame, free)
-        free = _outside_circles(frame, _relaxed(points, triangles, size)[:, frame.points.shape[1] :])
-    points, triangles = _triangulated(frame, free)
+        points, triangles = _triangulated(near, free)
+        free = _outside_circles(near, _relaxed(points, triangles, local)[:, frame.points.shape[1] :])
+    _, triangles = _triangulated(near, free)
+    points = np.concatenate([frame.points, place(free)], axis=1)
     _check(frame, points, triangles)
     return points, triangles
+
+
+def _normalised(frame: Frame, size: Size) -> tuple[Frame, Size, Callable[[Array], Array]]:
+    """Return frame and size around the origin, in units of the extent, and the way back for points.
+
+    They are rounded to GRAIN: then neither the place of a body nor its unit decides between triangles that
+    are equally good.
+    """
+    low, high = frame.loop.min(1, keepdims=True), frame.loop.max(1, keepdims=True)
+    centre, unit = 0.5 * (low + high), float((high - low).max())
+
+    def rounded(values: Array) -> Array:
+        return np.asarray(np.round(values / GRAIN) * GRAIN)
+
+    def place(at: Array) -> Array:
+        return np.asarray(centre + unit * at)
+
+    def local(at: Array) -> Array:
+        return rounded(size(place(at)) / unit)
+
+    return Frame(rounded((frame.points - centre) / unit), frame.boundary, frame.edges), local, place
 
 
 def angles(points: Array, triangles: Integers) -> Array:
