@@ -363,7 +363,7 @@ def test_a_closed_path_is_followed_once(backward, largest):
             Scene(body=BODY, terms=(Ring(),)), start=start, arc=0.02, largest=largest, backward=backward
         )
     path = caught.value.path
-    message_names(caught.value, "closed loop", "largest")
+    message_names(caught.value, "closed loop", "imperfection")
     size = BODY.thickness * np.sqrt(BODY.nodes.shape[1])
     width = RADIUS / size  # of the ellipse, in arc lengths; its height is RADIUS
     share = ((RADIUS - width) / (RADIUS + width)) ** 2

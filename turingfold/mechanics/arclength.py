@@ -28,7 +28,7 @@ CORNER = 10.0  # except at the smallest arcs, with which bends of the path are p
 SAME = 1e-3  # of a step: closer to an earlier point, the path has come back to it
 
 MORE_TIME = "Give Stepping(seconds=...) more, or go on with the last of them as `start`."
-LOOP = "It is a closed loop; if followed from t = 0, a step has jumped to it: try a smaller `largest`."
+LOOP = "It is a closed loop; from t = 0 one is entered where paths cross, which an imperfection may part."
 SMALLER = "Try a smaller `smallest`, smaller elements, or less load."
 
 
