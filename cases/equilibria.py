@@ -22,11 +22,11 @@ from turingfold import (
     TangentialGrowth,
     bifurcation_diagram,
     equilibria,
+    fold_amplitude,
     half,
     panels,
     semicircle,
 )
-from turingfold.diagram import fold_amplitude
 from turingfold.mechanics.factor import largest_growth
 
 RADIUS, THICKNESS = 0.0404, 0.15 * 0.0404

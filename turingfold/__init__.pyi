@@ -3,6 +3,7 @@ from . import plots as plots
 from .animation import animate as animate
 from .body import Body as Body
 from .diagram import bifurcation_diagram as bifurcation_diagram
+from .diagram import fold_amplitude as fold_amplitude
 from .diagram import pial_measures as pial_measures
 from .geometry import half as half
 from .geometry import semicircle as semicircle
