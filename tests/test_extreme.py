@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from skfem import MeshTri1
 
 from turingfold.body import Body
@@ -13,6 +14,7 @@ from turingfold.mechanics.elastic import Elastic
 from turingfold.mechanics.march import begin, march
 from turingfold.mechanics.material import NeoHookean
 from turingfold.morphometry.walls import self_intersections
+from turingfold.outlines import outline
 from turingfold.scene import NotConvergedError, Scene, Stepping
 from turingfold.tension import AxonalTension
 
@@ -59,7 +61,7 @@ def check(made, step):
     assert numbers["min_jacobian"] > 0
     assert numbers["residual"] <= made.stepping.tolerance
     pial = (body.nodes + step.state["displacement"])[:, body.pial]
-    assert self_intersections(pial, closed=False) == 0
+    assert self_intersections(pial, closed=body.pial_curve.closed) == 0
 
 
 EASY = {
@@ -101,6 +103,56 @@ def test_finishes_or_says_why_not(name):
     steps, stopped = examine(scene(**HARD[name]))
     assert stopped is not None or steps[-1].state.time == 1.0
     assert steps
+
+
+def ring(radius, angle):
+    """Return points (2, n) at angles from the top, counter-clockwise."""
+    return radius * np.stack([-np.sin(angle), np.cos(angle)])
+
+
+def cleft_between_three_lobes(growth):
+    """A disc in a close skull, grown all through: its cleft opens into a hollow of three arms, (skull, m)."""
+    slot, hollow, arms, skull = 0.08, 0.24, 0.35, 1.04
+    mouth = hollow * (1 + arms)
+    inner = np.linspace(2 * np.pi - np.arcsin(slot / mouth), np.arcsin(slot / mouth), 120)
+    wall = np.stack([np.full(18, slot), np.linspace(1.0, mouth, 20)[1:-1]])
+    hollowed = ring(hollow * (1 + arms * np.cos(3 * inner)), inner)
+    outside = ring(1.0, np.linspace(slot, 2 * np.pi - slot, 150))
+    opposite = wall[:, ::-1] * [[-1.0], [1.0]]
+    points = np.concatenate([outside, wall, hollowed, opposite], axis=1)
+    body = outline(points, thickness=0.14, size=0.08, smooth=0.05, tight="trim")
+    around = ring(skull, 2 * np.pi * np.append(np.arange(240), 0) / 240)
+    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), SelfContact(skull=around))
+    growing = TangentialGrowth(cortex=growth, core=growth, layers="sharp")
+    return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=60.0)), skull
+
+
+def between_lobes(body, moved):
+    """Return how far the most enclosed point of the hollow is from the farthest of its three walls; m."""
+    closed = np.append(body.pial, body.pial[0])
+    places = np.linspace(0, len(closed) - 1, 10 * len(closed))
+    rest, now = (
+        np.stack([np.interp(places, np.arange(len(closed)), row) for row in points[:, closed]])
+        for points in (body.nodes, moved)
+    )
+    lobe = np.floor(np.mod(np.arctan2(-rest[0], rest[1]), 2 * np.pi) / (2 * np.pi / 3))
+    near = np.stack(np.meshgrid(*2 * [np.linspace(-0.2, 0.2, 161)])).reshape(2, -1)
+    walls = (now[:, (np.hypot(*rest) < 0.4) & (lobe == k)] for k in range(3))
+    return np.max([cKDTree(wall.T).query(near.T)[0] for wall in walls], axis=0).min()
+
+
+def test_walls_pressed_together_from_three_sides():
+    made, skull = cleft_between_three_lobes(1.8)
+    steps, stopped = examine(made)
+    assert stopped is not None or steps[-1].state.time == 1.0
+    last = steps[-1]
+    moved = made.body.nodes + last.state["displacement"]
+    operator = made.terms[1].on(made.body)
+    dhat = operator.dhat * operator.unit
+    assert 0 < last.numbers["min_gap"] < dhat
+    assert np.hypot(*moved).max() < skull
+    assert between_lobes(made.body, made.body.nodes) > 25 * dhat
+    assert between_lobes(made.body, moved) < 4 * dhat
 
 
 def test_time_limit():
