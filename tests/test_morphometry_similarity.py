@@ -221,6 +221,17 @@ def test_comparison_holds_the_measures_of_both():
         both["sulci"]
 
 
+@pytest.mark.parametrize("other", [flower(6, 0.2), ellipse(2, 1)])
+def test_a_curve_without_gyri_has_no_gyral_width(other):
+    both = compare(ellipse(1, 1), other)
+    widths = both["mean gyral width"]
+    assert np.isnan([widths.a, widths.ratio]).all()
+    assert np.isnan(widths.b) == (both["folds"].b == 0)
+    (row,) = (line.split() for line in both.text().splitlines() if line.startswith("mean gyral width"))
+    assert (row[-3], row[-1]) == ("-", "-")
+    assert (row[-2] == "-") == (both["folds"].b == 0)
+
+
 def test_comparison_of_pial_surfaces_and_of_coarse_outlines():
     pial = compare(ellipse(1, 1, arc=np.pi), flower(20, 0.1, arc=np.pi))
     assert (pial["folds"].a, pial["folds"].b) == (0, 10)

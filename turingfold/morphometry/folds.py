@@ -50,8 +50,8 @@ class Folds:
 
     @property
     def width(self) -> float:
-        """Mean width of the gyri with two walls, m; 0 without such gyri."""
-        return float(self.widths.mean()) if self.widths.size else 0.0
+        """Mean width of the gyri with two walls, m; NaN without such gyri."""
+        return float(self.widths.mean()) if self.widths.size else float("nan")
 
 
 def fold_height(points: Any, *, reference: Any = None, closed: bool | None = None) -> Array:
