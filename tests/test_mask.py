@@ -101,6 +101,16 @@ def test_wrong_options_are_named(tmp_path, options, message):
         mask_outline(written(tmp_path / "brain.nii", brain()), **options)
 
 
+@pytest.mark.parametrize("kept", [40, 0.5, 0.9])
+@pytest.mark.parametrize("name", ["brain.nii", "brain.nii.gz"])
+def test_files_cut_short_are_refused(tmp_path, name, kept):
+    file = written(tmp_path / name, brain())
+    content = file.read_bytes()
+    file.write_bytes(content[: kept if kept > 1 else int(kept * len(content))])
+    with pytest.raises(ValueError, match=name.replace(".", r"\.")):
+        mask_outline(file)
+
+
 def test_files_that_are_no_mask_are_refused(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="no file"):
         mask_outline(tmp_path / "none.nii")
@@ -109,6 +119,9 @@ def test_files_that_are_no_mask_are_refused(tmp_path, monkeypatch):
         mask_outline(tmp_path / "text.nii")
     with pytest.raises(ValueError, match=r"shape \(4, 4, 4, 2\)"):
         mask_outline(written(tmp_path / "series.nii", np.ones((4, 4, 4, 2), dtype=np.uint8)))
+    for path in (None, 3):
+        with pytest.raises(ValueError, match=f"path={path} must be the path of an image"):
+            mask_outline(path)
     monkeypatch.setitem(sys.modules, "nibabel", None)
     with pytest.raises(ValueError, match="turingfold\\[images\\]"):
         mask_outline(written(tmp_path / "brain.nii", brain()))

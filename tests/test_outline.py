@@ -262,6 +262,14 @@ def test_smoothing_removes_noise_and_keeps_the_circle():
     assert np.hypot(*exact.at(exact.spaced(0.1))) == pytest.approx(shrunk, abs=1e-4)
 
 
+@pytest.mark.parametrize("smooth", [3.0, 10.0, 1000.0])
+def test_smoothing_that_leaves_nothing_of_a_circle_is_refused(smooth):
+    kept = 1 - (1 - np.exp(-0.5 * smooth**2)) ** 2  # of the radius 1, which is one wave
+    assert kept < 0.1
+    with pytest.raises(ValueError, match=rf"smooth={smooth:g} m leaves .* make it smaller"):
+        line(circle(), True, smooth)
+
+
 def test_smoothing_keeps_the_ends_of_an_open_curve():
     x = np.linspace(0, 1, 100)
     points = np.stack([x, np.sin(40 * x)])
@@ -299,6 +307,9 @@ def test_columns_are_read_with_any_separator(tmp_path, text):
         ("a.csv", "x,y\n1,2\n3,four\n", "line 3: '3,four'"),
         ("a.csv", "x,y\n1,2,3\n", "line 2"),
         ("a.csv", "x,y\n", "no points"),
+        ("a.csv", "x,y\n1,2\nnan,3\n", r"a\.csv, line 3: 'nan,3' is not finite; leave that point out"),
+        ("a.csv", "1,2\n1,-inf\n", "line 2: '1,-inf' is not finite"),
+        ("a.svg", "<svg><circle r='1'/><rect/></svg>", "0 outlines.*Only path, polygon and polyline are"),
         ("a.png", "", "'.png'"),
         ("a.svg", "<svg><path d='M 0 0 L 1", "not well-formed"),
         ("a.svg", "<svg/>", "0 outlines"),
@@ -316,6 +327,18 @@ def test_unreadable_files_are_refused_by_place(tmp_path, name, text, message):
     file.write_text(text)
     with pytest.raises(ValueError, match=message):
         read_outline(file)
+
+
+def test_what_is_no_text_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_bytes(b"1,2\n\xff\xfe\x00")
+    with pytest.raises(ValueError, match=r"a\.csv is not text in UTF-8 \(invalid start byte at byte 4\)"):
+        read_outline(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("path", [None, 3])
+def test_what_is_no_path_is_refused(path):
+    with pytest.raises(ValueError, match=f"path={path} must be the path of a CSV or SVG file"):
+        read_outline(path)
 
 
 def test_a_missing_file_is_named(tmp_path):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from numbers import Integral, Real
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -47,6 +49,16 @@ def whole(name: str, value: Any, *, at_least: int, remedy: str = "") -> int:
     return int(value)
 
 
+def file_path(name: str, value: Any, kinds: str) -> Path:
+    """Return value as a path if it is a text or a path, and a file is there."""
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"{name}={value!r} must be the path of {kinds}, as a text or a Path.")
+    file = Path(value)
+    if not file.is_file():
+        raise ValueError(f"there is no file {file}; give the path of {kinds}.")
+    return file
+
+
 def one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
     """Return value if it is one of the known words."""
     if value not in known:
@@ -55,11 +67,15 @@ def one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
 
 
 def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """Return value as a float array of the given shape (None: any length) without NaN or infinity."""
+    """Return value as a real array of the given shape (None: any length) without NaN or infinity."""
     try:
-        array = np.asarray(value, dtype=float)
+        given = np.asarray(value)
+        complex_numbers = given.dtype.kind == "c"
+        array = np.asarray(given.real if complex_numbers else given, dtype=float)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}={value!r} must be an array of numbers.") from error
+    if complex_numbers:
+        raise ValueError(f"{name} is complex; it must be real: give points as rows of x and of y.")
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
         lengths = ", ".join("n" if n is None else str(n) for n in shape)
         wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"

@@ -9,6 +9,8 @@ from scipy.interpolate import CubicSpline
 
 from ..arrays import Array
 
+LEFT = 0.1  # share of its length that smoothing must leave of a curve
+
 
 @dataclass(frozen=True, eq=False)
 class Line:
@@ -48,6 +50,7 @@ def line(points: Array, closed: bool, smooth: float = 0.0) -> Line:
     Smoothing convolves the evenly resampled points with the kernel 2g - g*g, g a Gaussian of standard
     deviation `smooth`: a circle of radius R shrinks by only R (smooth/R)⁴/4. The ends of an open curve stay
     where they are.
+    Raises ValueError for a `smooth` that leaves nothing of the curve.
     """
     nodes = np.concatenate([points, points[:, :1]], axis=1) if closed else points
     chord = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(nodes, axis=1)))])
@@ -56,6 +59,12 @@ def line(points: Array, closed: bool, smooth: float = 0.0) -> Line:
         even = np.linspace(0.0, chord[-1], count + 1)
         nodes = np.stack([np.interp(even, chord, x) for x in nodes])
         nodes = _smoothed(nodes, closed, smooth / (chord[-1] / count))
+        left = float(np.hypot(*np.diff(nodes, axis=1)).sum())
+        if left < LEFT * chord[-1]:
+            raise ValueError(
+                f"smooth={smooth:g} m leaves {left / chord[-1]:.2g} of the length {chord[-1]:.4g} m of the "
+                f"pial surface; at least {LEFT:g} must stay, so make it smaller."
+            )
         chord = even
     by_chord = _spline(chord, nodes, closed)
     # once more over the arc length of the first spline

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..checks import finite, one_of, whole
+from ..checks import file_path, finite, one_of, whole
 
 SECTIONS = {"sagittal": 0, "coronal": 1, "axial": 2}  # the axis across them, of right, anterior, superior
 UNITS = {"meter": 1.0, "mm": 1e-3, "micron": 1e-6, "unknown": 1e-3}
@@ -32,9 +33,10 @@ def mask_outline(
     """
     one_of("section", section, tuple(SECTIONS))
     finite("level", level)
-    image = _image(Path(path))
+    file = file_path("path", path, "an image")
+    image, voxels = _image(file)
     across = SECTIONS[section]
-    voxels = np.moveaxis(np.asarray(image.dataobj, dtype=float), across, 0)
+    voxels = np.moveaxis(voxels, across, 0)
     known = f"the image has {section} sections 0 to {len(voxels) - 1}"
     if index is None:
         index = int(np.argmax((voxels > level).sum((1, 2))))
@@ -42,7 +44,7 @@ def mask_outline(
         raise ValueError(f"index={index}: {known}.")
     if unknown := int((~np.isfinite(voxels[index])).sum()):
         raise ValueError(
-            f"{path}: {unknown} voxels of {section} section {index} are not finite; give them the value "
+            f"{file}: {unknown} voxels of {section} section {index} are not finite; give them the value "
             "outside the brain, or choose another section."
         )
     from contourpy import contour_generator
@@ -61,10 +63,8 @@ def mask_outline(
     return np.asarray(max(curves, key=lambda curve: float(np.hypot(*np.diff(curve)).sum()))[:, :-1])
 
 
-def _image(file: Path) -> Any:
-    """Return a three-dimensional image turned to right, anterior, superior."""
-    if not file.is_file():
-        raise ValueError(f"there is no file {file}; give the path of an image.")
+def _image(file: Path) -> tuple[Any, Array]:
+    """Return a three-dimensional image turned to right, anterior, superior, and its voxels."""
     try:
         nibabel: Any = import_module("nibabel")
     except ImportError as error:
@@ -73,9 +73,15 @@ def _image(file: Path) -> Any:
         ) from error
     try:
         image = nibabel.load(file)
-    except nibabel.filebasedimages.ImageFileError as error:
+    except (nibabel.filebasedimages.ImageFileError, EOFError, zlib.error) as error:
         raise ValueError(f"{file.name} is no image that nibabel reads: {error}.") from error
     if not isinstance(image, nibabel.Nifti1Pair) or len(image.shape) != 3:
         kind = type(image).__name__
         raise ValueError(f"{file.name}: {kind} of shape {image.shape}; give a NIfTI image with three axes.")
-    return nibabel.as_closest_canonical(image)
+    turned = nibabel.as_closest_canonical(image)
+    try:
+        return turned, np.asarray(turned.dataobj, dtype=float)
+    except (EOFError, OSError, zlib.error, ValueError) as error:
+        raise ValueError(
+            f"{file.name} is damaged or cut short ({error}); copy or download it again."
+        ) from error

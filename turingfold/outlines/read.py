@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import itertools
 import re
+from math import isfinite
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
 from ..arrays import Array
-from ..checks import positive, whole
+from ..checks import file_path, positive, whole
 
 SHAPES = ("path", "polygon", "polyline")
 ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
@@ -28,11 +29,9 @@ def read_outline(path: str | Path, *, name: str = "", scale: float = 1.0, sample
     is taken.
     Raises ValueError for other files, unreadable numbers, elliptic arcs and transforms, saying where.
     """
-    file = Path(path)
     positive("scale", scale)
     whole("samples", samples, at_least=1)
-    if not file.is_file():
-        raise ValueError(f"there is no file {file}; give the path of a CSV or SVG file.")
+    file = file_path("path", path, "a CSV or SVG file")
     if file.suffix.lower() == ".svg":
         return scale * _svg(file, name, samples)
     if file.suffix.lower() in (".csv", ".txt", ".dat", ".tsv"):
@@ -44,21 +43,30 @@ def read_outline(path: str | Path, *, name: str = "", scale: float = 1.0, sample
 
 def _columns(file: Path) -> Array:
     rows: list[tuple[float, float]] = []
-    with file.open(newline="", encoding="utf-8-sig") as text:
-        for number, line in enumerate(text, start=1):
-            parts = next(csv.reader([re.sub(r"[;\t ]+", ",", line.strip())]), [])
-            parts = [part for part in parts if part]
-            if not parts or parts[0].startswith("#"):
-                continue
-            try:
-                x, y = (float(part) for part in parts)
-            except ValueError as error:
-                if not rows and number == 1:
-                    continue  # a header
-                raise ValueError(
-                    f"{file.name}, line {number}: {line.strip()!r} is not two numbers x, y."
-                ) from error
-            rows.append((x, y))
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"{file.name} is not text in UTF-8 ({error.reason} at byte {error.start}); save it as CSV."
+        ) from error
+    for number, line in enumerate(text.splitlines(), start=1):
+        parts = next(csv.reader([re.sub(r"[;\t ]+", ",", line.strip())]), [])
+        parts = [part for part in parts if part]
+        if not parts or parts[0].startswith("#"):
+            continue
+        try:
+            x, y = (float(part) for part in parts)
+        except ValueError as error:
+            if not rows and number == 1:
+                continue  # a header
+            raise ValueError(
+                f"{file.name}, line {number}: {line.strip()!r} is not two numbers x, y."
+            ) from error
+        if not (isfinite(x) and isfinite(y)):
+            raise ValueError(
+                f"{file.name}, line {number}: {line.strip()!r} is not finite; leave that point out."
+            )
+        rows.append((x, y))
     if not rows:
         raise ValueError(f"{file.name} holds no points; give two columns x, y.")
     return np.array(rows).T
@@ -73,7 +81,7 @@ def _svg(file: Path, name: str, samples: int) -> Array:
     if name not in shapes if name else len(shapes) != 1:
         raise ValueError(
             f"name={name!r}: {file.name} holds {len(shapes)} outlines ({', '.join(shapes) or 'none'}); name "
-            "one by id."
+            f"one by id. Only {', '.join(SHAPES[:-1])} and {SHAPES[-1]} are read: turn others into paths."
         )
     shape = shapes[name] if name else next(iter(shapes.values()))
     if any("transform" in element.attrib for element in root.iter()):
