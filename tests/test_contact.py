@@ -300,6 +300,34 @@ def test_a_skull_around_half_a_body_ends_before_its_mirror():
         SelfContact(skull=arch(1.2, high=0.2 * np.pi)).on(body)
 
 
+ENDS = r"skull reaches, near \({}, {}\) m, the line .* base \(or mirror\) continues .* clear of that line"
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "where"),
+    [
+        (0.0, np.pi, (r"1\.2", "0")),
+        (0.01, np.pi - 0.03, (r"1\.2", r"0\.012")),
+        (0.03, np.pi, (r"-1\.2", r"0\.018\d*")),
+        (-0.1, np.pi + 0.1, (r"1\.2", r"-0\.0\d+")),
+        (-np.pi, np.pi, (r"1\.2", r"-0\.0\d+")),
+    ],
+    ids=["on the line", "near it", "one end", "beyond it", "all round"],
+)
+def test_a_skull_ends_clear_of_the_base_line(low, high, where):
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)  # dhat 0.4 of 0.05
+    with pytest.raises(ValueError, match=ENDS.format(*where)):
+        SelfContact(skull=arch(1.2, low, high)).on(body)
+    clear = np.arcsin(0.021 / 1.2)
+    assert SelfContact(skull=arch(1.2, clear, np.pi - clear)).on(body).moving > 0
+
+
+def test_a_skull_ends_clear_of_the_line_of_the_mirror():
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.1))
+    with pytest.raises(ValueError, match=ENDS.format(r"0\.018\d*", r"1\.2")):
+        SelfContact(skull=arch(1.2, high=0.5 * np.pi)).on(body)
+
+
 def test_a_skull_around_a_closed_surface_is_closed():
     disc = outline(arch(1.0, 0.0, 2 * np.pi), thickness=0.2, size=0.1)
     around = arch(1.2, 0.0, 2 * np.pi)

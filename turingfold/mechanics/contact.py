@@ -71,10 +71,11 @@ class ContactOperator:
         self.nodes, edges, shortest = _boundary(body)
         skull = None
         if term.skull is not None:
-            from .skull import check_skull
+            from .skull import check_clear, check_skull
 
             skull = np.asarray(term.skull, dtype=float)
             check_skull(body, skull)
+            check_clear(skull, _continued(body), term.gap * shortest)
         obstacles, obstacle_edges = _obstacles(body, self.nodes, skull)
         self.rest = np.asfortranarray(np.concatenate([body.nodes[:, self.nodes].T, obstacles]) / self.unit)
         self.moving = len(self.nodes)
@@ -218,13 +219,23 @@ def _obstacles(body: Body, nodes: Integers, skull: Array | None) -> tuple[Array,
     points: list[Array] = []
     edges: list[tuple[int, int]] = []
     for end, outward in _outward(body):
-        points.append(body.nodes[:, end] + REACH * body.length * outward)
+        points.append(_far(body, end, outward))
         edges.append((int(np.searchsorted(nodes, end)), len(nodes) + len(points) - 1))
     if skull is not None:
         first = len(nodes) + len(points)
         points.extend(skull.T)
         edges.extend((first + k, first + k + 1) for k in range(skull.shape[1] - 1))
     return np.array(points).reshape(-1, 2), np.array(edges, dtype=np.int64).reshape(-1, 2)
+
+
+def _continued(body: Body) -> Array:
+    """Return the lines beyond the pial surface's ends as segments, (2, 2, m)."""
+    lines = [[body.nodes[:, end], _far(body, end, outward)] for end, outward in _outward(body)]
+    return np.array(lines).reshape(-1, 2, 2).transpose(1, 2, 0)
+
+
+def _far(body: Body, end: int, outward: Array) -> Array:
+    return np.asarray(body.nodes[:, end] + REACH * body.length * outward)
 
 
 def _outward(body: Body) -> Iterator[tuple[int, Array]]:

@@ -43,6 +43,26 @@ def check_skull(body: Body, skull: Array) -> None:
         )
 
 
+def check_clear(skull: Array, lines: Array, distance: float) -> None:
+    """Raise ValueError for a skull, (2, n) in m, that meets or comes within `distance` of lines (2, 2, m).
+
+    lines: start and end points of those on which base and mirror continue.
+    """
+    wall = np.stack([skull[:, :-1], skull[:, 1:]])
+    met = [skull[:, i] for i in np.unique(intersections(wall, lines)[0])]
+    for start, end in lines.transpose(2, 0, 1):
+        along = (end - start) / np.hypot(*(end - start))
+        way = skull - start[:, None]
+        foot = np.clip(along @ way, 0.0, np.hypot(*(end - start)))
+        met += [*skull[:, np.hypot(*(way - foot * along[:, None])) < distance].T]
+    if met:
+        raise ValueError(
+            f"skull reaches, near {_shown(met[0])} m, the line on which the body's base (or mirror) "
+            f"continues outward; its ends have to stay clear of that line by more than {distance:.3g} m: leave out its "
+            "points there."
+        )
+
+
 def _sides(body: Body, facets: Array) -> Array:
     """Return the two straight halves of quadratic edges as segments, (2, 2, 2 n_facets)."""
     (start, end), middle = body.mesh.facets[:, facets], body.mesh.nvertices + facets
