@@ -154,7 +154,8 @@ def test_regions_have_their_shares_at_known_places(body):
         (lambda: Ellipse(centre=(0, 0), semi_axes=(0.5, 0.2), edge=0.3), "edge=0.3 must be .* at most 0.2"),
         (lambda: Ellipse(centre=(0, 0), semi_axes=(0.5, -1), edge=0.1), "semi_axes=-1"),
         (lambda: HalfPlane(point=(0, 0), normal=(0, 0), edge=0.1), "no length"),
-        (lambda: Window(start=0.6, end=0.4, edge=0.1), "start=0.6 must be less than end=0.4"),
+        (lambda: Window(start=0.4, end=0.4, edge=0.1), "start=0.4 and end=0.4 leave no window"),
+        (lambda: Window(start=0.9, end=0.1, edge=0.2), "edge=0.2 must be .* at most 0.1"),
         (lambda: Window(start=0.4, end=1.4, edge=0.1), "end=1.4"),
         (lambda: Window(start=0.4, end=0.6, edge=0.2), "edge=0.2"),
         (lambda: Window(start=0.4, end=0.6, edge=0.1, ramp="round"), "ramp='round'"),
@@ -175,6 +176,17 @@ def test_regions_have_their_shares_at_known_places(body):
 def test_bad_options_are_refused_by_name(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_a_window_goes_round_the_seam_of_a_closed_surface_only(disc, body):
+    window = Window(start=0.9, end=0.15, edge=0.05, ramp="straight")
+    along = disc.pial_share(disc.arc)
+    past = (along - 0.9) % 1.0  # 0.25 is its width
+    assert (along[past < 0.25] < 0.5).any()
+    assert (along[past < 0.25] > 0.5).any()
+    assert window.share(disc) == pytest.approx(np.clip(np.minimum(past, 0.25 - past) / 0.05, 0, 1), abs=1e-12)
+    with pytest.raises(ValueError, match=r"start=0\.9 must be less than end=0\.15.*not closed"):
+        window.share(body)
 
 
 def test_a_zone_outside_the_body_is_refused(body):
@@ -247,6 +259,14 @@ def test_a_folded_over_body_cannot_be_restarted(body):
     x, y = body.nodes
     with pytest.raises(ValueError, match="triangle"):
         restart(body, State(1.0, {"displacement": np.stack([0 * x, -1.5 * y * (np.abs(x) < 0.3)])}))
+
+
+@pytest.mark.parametrize("wrong", [None, State])
+def test_what_is_no_body_or_state_cannot_be_restarted(body, wrong):
+    with pytest.raises(ValueError, match=r"body=.* must be a Body object"):
+        restart(wrong, State(1.0))
+    with pytest.raises(ValueError, match=r"state=.* must be a State object, such as result\.last"):
+        restart(body, wrong)
 
 
 def test_a_state_without_displacement_cannot_be_restarted(body):

@@ -99,6 +99,20 @@ def test_bad_amplitude(amplitude):
         roughened(body(), amplitude)
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"modes": 0}, "modes=0 must be a whole number of at least 1"),
+        ({"modes": 2.5}, r"modes=2\.5 must be a whole number"),
+        ({"seed": -1}, "seed=-1 must be a whole number of at least 0"),
+        ({"seed": None}, "seed=None must be a whole number"),
+    ],
+)
+def test_bad_modes_and_seeds_are_named(options, message):
+    with pytest.raises(ValueError, match=message):
+        roughened(body(0.2), 0.01, **options)
+
+
 def test_a_roughness_that_turns_triangles_over_is_refused_with_its_remedy():
     with pytest.raises(ValueError, match=r"amplitude=0\.15 m with modes=80 .* smaller amplitude or fewer"):
         roughened(semicircle(radius=1.0, thickness=0.2, size=0.1), 0.15)

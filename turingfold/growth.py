@@ -194,9 +194,11 @@ def restart(body: Body, state: State) -> Body:
     """Return the deformed body as a new one, free of stress: what a stage of growth hands to the next.
 
     Elements keep their layer and the cortex its nominal thickness; depth and tangents follow the new shape.
-    Raises MissingFieldError without a displacement, ValueError if a deformed element is no valid element of a
-    mesh.
+    Raises MissingFieldError without a displacement, ValueError for what is no body or state and if a deformed
+    element is no valid element of a mesh.
     """
+    instance("body", body, Body, "result.scene.body")
+    instance("state", state, State, "result.last")
     if "displacement" not in state:
         raise MissingFieldError(
             f"state has no field 'displacement' (it has: {', '.join(sorted(state.fields)) or 'none'}); give "

@@ -100,6 +100,8 @@ def roughened(
     """
     one_of("of", of, ("shape", "thickness"))
     positive("amplitude", amplitude, at_most=body.thickness, remedy="the most is the cortical thickness")
+    whole("modes", modes, at_least=1, remedy="80 are the default")
+    whole("seed", seed, at_least=0)
     depth, tangent, arc = body.pial_curve.nearest(body.nodes)
     share = body.pial_share(arc)
     normal, closed = np.stack([tangent[1], -tangent[0]]), body.pial_curve.closed

@@ -13,6 +13,7 @@ import numpy as np
 
 from .arrays import Array
 from .body import Body
+from .checks import whole
 from .mechanics.factor import largest_growth
 from .mechanics.march import acting, discretised
 from .scene import Operator, Scene, State, stress_scale
@@ -48,8 +49,14 @@ class Result:
         return self.states[-1]
 
     def pial(self, step: int = -1) -> Array:
-        """Return a state's deformed pial surface, (2, n), counter-clockwise; a half body's is completed."""
-        body = self.scene.body
+        """Return a state's deformed pial surface, (2, n), counter-clockwise; a half body's is completed.
+
+        Raises ValueError for a step that is none of the states'.
+        """
+        body, count = self.scene.body, len(self.states)
+        known = f"the result has {count} states, 0 to {count - 1} or, from the last one, -1 to -{count}"
+        if whole("step", step, at_least=-count, remedy=known) >= count:
+            raise ValueError(f"step={step} must be at most {count - 1}; {known}.")
         return along_pial(body, (body.nodes + self.states[step]["displacement"])[:, body.pial])
 
     def pattern(self, step: int = -1) -> Array | None:

@@ -85,7 +85,8 @@ class HalfPlane:
 class Window:
     """The tissue below a part of the pial surface, from `start` to `end` as shares of its length in [0, 1].
 
-    The surface is counted counter-clockwise. edge: width of the ramps, inside the window, as such a share.
+    The surface is counted counter-clockwise; on a closed one a window with start > end goes round its seam.
+    edge: width of the ramps, inside the window, as such a share.
     """
 
     start: float
@@ -96,16 +97,30 @@ class Window:
     def __post_init__(self) -> None:
         between("start", self.start, 0.0, 1.0)
         between("end", self.end, 0.0, 1.0)
-        if not self.start < self.end:
-            raise ValueError(f"start={self.start:g} must be less than end={self.end:g}; exchange them.")
-        most = 0.5000001 * (self.end - self.start)
+        if self.start == self.end:
+            raise ValueError(
+                f"start={self.start:g} and end={self.end:g} leave no window; 0 and 1 are the whole surface."
+            )
+        most = 0.5000001 * (self._stop - self.start)
         positive("edge", self.edge, at_most=most, remedy="both ramps must fit in")
         one_of("ramp", self.ramp, RAMPS)
 
     def share(self, body: Body) -> Array:
         """Return how far each integration point belongs to the region, (q, e)."""
         along = body.pial_share(body.arc)
-        return _ramp(np.minimum(along - self.start, self.end - along) / self.edge, self.ramp)
+        if self.start > self.end:
+            if not body.pial_curve.closed:
+                raise ValueError(
+                    f"start={self.start:g} must be less than end={self.end:g} on a pial surface that is not "
+                    "closed; exchange them, or give two zones."
+                )
+            along = self.start + (along - self.start) % 1.0
+        return _ramp(np.minimum(along - self.start, self._stop - along) / self.edge, self.ramp)
+
+    @property
+    def _stop(self) -> float:
+        """Return the end, counted on from the start."""
+        return self.end + (1.0 if self.end < self.start else 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

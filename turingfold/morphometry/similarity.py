@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..checks import positive, whole
+from ..checks import between, positive, whole
 from .polyline import FEWEST_POINTS, Polyline, as_polyline, fractions, spline_points
 from .shape import mean_curvature
 
@@ -57,6 +58,9 @@ def similarity(
     not depend on scale; curvature is averaged over +-T/2 of arc.  p: 1, 2, inf, or any number above 1.
     Source: Choi et al. 2025, with curvature in the plane for the index on a surface.
     """
+    largest = isinstance(p, Real) and p == np.inf
+    if not largest:
+        between("p", p, 1.0, np.inf, "use 1, 2 or inf")
     a, b = _pair(points_a, points_b, closed)
     s = fractions(whole("samples", samples, at_least=FEWEST_POINTS), a.closed)
     index_a, index_b = (_index(curve, s, thickness) for curve in (a, b))
@@ -66,10 +70,8 @@ def similarity(
     elif a.closed:
         index_b = _shifted(index_a, index_b)
     difference = np.abs(index_a - index_b)
-    if np.isposinf(p):
+    if largest:
         return 1 - float(difference.max()) / 2
-    if not p >= 1:
-        raise ValueError(f"p={p} must be at least 1; use 1, 2 or inf.")
     return 1 - float(np.mean(difference**p) ** (1 / p)) / 2
 
 
