@@ -58,8 +58,8 @@ def check_clear(skull: Array, lines: Array, distance: float) -> None:
     if met:
         raise ValueError(
             f"skull reaches, near {_shown(met[0])} m, the line on which the body's base (or mirror) "
-            f"continues outward; its ends have to stay clear of that line by more than {distance:.3g} m: leave "
-            "out its points there."
+            f"continues outward; its ends have to stay clear of that line by more than {distance:.3g} m: "
+            "leave out its points there."
         )
 
 
