@@ -191,6 +191,19 @@ def test_a_stiffness_field_multiplies_the_moduli(body):
     assert stiff.evaluate(x).energy != once.energy
 
 
+@pytest.mark.parametrize("element", ["quadratic", "mixed"])
+@pytest.mark.parametrize(
+    ("name", "shape"), [("growth", (3,)), ("growth", (3, 1, 1)), ("stiffness", ()), ("stiffness", (1, 1))]
+)
+def test_fields_of_another_shape_are_refused(body, element, name, shape):
+    operator = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), element=element).on(body)
+    points = ", ".join(map(str, body.quadrature.weights.shape))
+    wanted = f"(3, {points})" if name == "growth" else f"({points})"
+    with pytest.raises(ValueError, match=f"the field '{name}' has shape") as caught:
+        operator.during(State(0.0, {name: np.ones(shape)}), 0.1)
+    message_names(caught.value, str(shape), wanted)
+
+
 def test_sigmoid_layers_blend_the_moduli():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)
     mu, kappa = Elastic(gray=NeoHookean(1.0, 5.0), white=NeoHookean(3.0, 7.0), layers="sigmoid").moduli(body)

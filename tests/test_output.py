@@ -263,6 +263,36 @@ def test_a_finished_result_is_not_run_again(finished):
     assert (folder / "history.csv").read_bytes() == before
 
 
+@pytest.mark.parametrize("damage", ["cut short", "missing", "no frame"])
+def test_going_on_restores_the_last_kept_state_from_the_checkpoint(tmp_path, damage):
+    out = tmp_path / "out"
+    simulate(elastic_scene(), out, frames=3)
+    kept, frame = (sorted(out.glob(files))[-1] for files in ("states/*.npz", "frames/*.vtu"))
+    content, shown, listed = kept.read_bytes(), frame.read_bytes(), (out / "frames.pvd").read_bytes()
+    if damage == "cut short":
+        kept.write_bytes(content[:-100])
+    else:
+        (kept if damage == "missing" else frame).unlink()
+    assert simulate(elastic_scene(), out, resume=True, frames=3).converged
+    assert kept.read_bytes() == content
+    assert frame.read_bytes() == shown
+    assert (out / "frames.pvd").read_bytes() == listed
+    assert load(out).last.time == load(out).history[-1]["time"] == elastic_scene().until
+
+
+def test_the_start_is_restored_as_well(tmp_path):
+    out = tmp_path / "out"
+    hopeless = elastic_scene(stepping=Stepping(first=0.1, largest=0.2, seconds=1e-9))
+    with pytest.raises(StoppedError, match="time limit"):
+        simulate(hopeless, out)
+    (start,) = out.glob("states/*.npz")
+    content = start.read_bytes()
+    start.write_bytes(content[:50])
+    with pytest.raises(StoppedError, match="time limit"):
+        simulate(hopeless, out, resume=True)
+    assert start.read_bytes() == content
+
+
 def test_a_folder_with_another_result_is_refused(finished):
     folder, _ = finished
     with pytest.raises(ValueError, match=r"already holds this result.*resume"):

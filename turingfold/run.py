@@ -129,7 +129,9 @@ class _Run:
             return position
         from .output.folder import read_states
 
-        state = found.progress.state
+        state, dt = found.progress.state, found.progress.previous_dt or found.progress.dt
+        if self.folder.lost(found.step):
+            self.folder.add_state(found.step, state, observe(discretised(self.scene)[0], state, dt))
         self.history = self.folder.history()
         self.states = [s for s in read_states(self.folder.path, state.time) if s.time < state.time] + [state]
         self.parts, self.spent = dict(found.seconds_by_part), found.seconds

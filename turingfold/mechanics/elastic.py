@@ -102,6 +102,21 @@ class Elastic:
         return white.mu + share * (gray.mu - white.mu), white.kappa + share * (gray.kappa - white.kappa)
 
 
+def at_points(body: Body, state: State, name: str, *components: int) -> Array | None:
+    """Return a field at the integration points, (*components, q, e), or None if no process writes it.
+
+    Raises ValueError for a field of another shape.
+    """
+    values = state.fields.get(name)
+    wanted = (*components, *body.quadrature.weights.shape)
+    if values is not None and np.shape(values) != wanted:
+        raise ValueError(
+            f"the field {name!r} has shape {np.shape(values)}; it must be {wanted}: values at each "
+            "integration point, see body.quadrature."
+        )
+    return values
+
+
 class ElasticOperator:
     """Elasticity on one body: shape function products and entry places, computed once."""
 
@@ -140,11 +155,11 @@ class ElasticOperator:
 
     def during(self, state: State, dt: float) -> ElasticPotential:
         """Return the elastic energy with the growth and stiffness in `state`."""
-        growth = state.fields.get("growth")
+        growth = at_points(self.body, state, "growth", 3)
         if self._grown is None or self._grown[0] is not growth:
             tangent = None if growth is None else self.body.tangent
             self._grown = growth, metric(self.body.quadrature, tangent, growth)
-        stiffness = state.fields.get("stiffness")
+        stiffness = at_points(self.body, state, "stiffness")
         mu, kappa = (
             (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
         )

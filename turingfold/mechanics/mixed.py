@@ -24,6 +24,7 @@ import numpy as np
 from ..arrays import Array
 from ..body import Body
 from ..scene import InadmissibleStateError, State
+from .elastic import at_points
 from .mixed_evaluation import MixedEvaluation
 from .mixed_points import kinematics, points_on
 from .points import Metric, deformation, determinant, determinant_along, first_loss, metric, von_mises
@@ -60,7 +61,7 @@ class MixedOperator:
 
     def during(self, state: State, dt: float) -> MixedPotential:
         """Return the energy with the growth and stiffness in `state`, starting from its inner unknowns."""
-        growth, stiffness = state.fields.get("growth"), state.fields.get("stiffness")
+        growth, stiffness = at_points(self.body, state, "growth", 3), at_points(self.body, state, "stiffness")
         if self._grown is None or self._grown[0] is not growth:
             spread = None if growth is None else self.points.spread_out(growth)
             self._grown = growth, metric(self.points.quadrature, self.points.tangent, spread)

@@ -118,6 +118,17 @@ class ResultFolder:
         self._clear(*MADE)
         return None
 
+    def lost(self, step: int) -> bool:
+        """Return whether the state after a step was kept, but is missing or damaged now."""
+        file, frame = self.path / "states" / f"{step:06d}.npz", f"frames/{step:06d}.vtu"
+        if not file.exists():
+            return any(name == frame for _, name in self._index)
+        try:
+            read_arrays(file)
+        except CorruptFileError:
+            return True
+        return not (self.path / frame).exists()
+
     def history(self) -> list[Row]:
         """Return the rows up to the checkpoint."""
         return [dict(row) for row in self._rows]
