@@ -3,9 +3,8 @@
     turingfold run cases/ferret_normal.py      draws figures/ferret_normal.png
 
 A coronal section, dimensionless as in Choi et al. 2025: a disc of radius 1, shear modulus 1, bulk modulus 5,
-cortex
-T = 0.1 that grows at the rate 1.9 and thins to T (1 - t/2), no growth in the middle (r < 0.5) and at the
-bottom (y < -0.4), each with a ramp of 0.2. P32 is t = 0.44, where the cortex has grown by e^{0.84} = 2.3
+cortex T = 0.1 that grows at the rate 1.9 and thins to T (1 - t/2), no growth in the middle (r < 0.5) and at
+the bottom (y < -0.4), each with a ramp of 0.2. P32 is t = 0.44, where the cortex has grown by e^{0.84} = 2.3
 along its surface; that growth slows down with age, to 1/e in 12 days, is our choice.
 """
 
