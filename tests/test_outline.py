@@ -369,6 +369,19 @@ def test_straight_and_quadratic_path_commands(tmp_path):
     assert -y == pytest.approx(np.array([0, 0.75, 1, 0.75, 0, -0.75, -1, -0.75, 0]))
 
 
+def test_a_single_disc_is_as_good_as_a_tuple_of_it():
+    disc = Fine(centre=(0.0, 1.0), radius=0.3, share=0.5)
+    one, several = (outline(circle(), thickness=0.3, size=0.15, fine=fine) for fine in (disc, [disc]))
+    assert np.array_equal(one.nodes, several.nodes)
+    assert one.mesh.nelements > outline(circle(), thickness=0.3, size=0.15).mesh.nelements
+
+
+@pytest.mark.parametrize(("fine", "shown"), [((1,), "1"), (None, "None"), (Fine, r"Fine \(a class\)")])
+def test_what_is_no_disc_is_refused(fine, shown):
+    with pytest.raises(ValueError, match=rf"fine={shown} must be a Fine object, such as Fine\(centre="):
+        outline(circle(), thickness=0.3, size=0.15, fine=fine)
+
+
 def test_elements_are_finer_inside_a_disc_and_the_body_is_the_same():
     points = half_circle()
     options = {"thickness": 0.1, "size": 0.05, "base": "roller", "base_ends": ((-1, 0), (1, 0))}

@@ -14,7 +14,7 @@ from skfem import MeshTri1, MeshTri2
 
 from ..arrays import Array, Integers
 from ..body import BASES, Body
-from ..checks import between, finite_array, one_of, positive
+from ..checks import between, finite_array, instance, one_of, positive
 from .fill import Frame, Size, fill
 from .line import Line, line
 from .offset import interface, onto_base, refuse_thick
@@ -60,7 +60,7 @@ def outline(
     smooth: float = 0.0,
     tight: str = "refuse",
     grading: float = 0.35,
-    fine: tuple[Fine, ...] = (),
+    fine: Fine | tuple[Fine, ...] = (),
 ) -> Body:
     """Return the inside of a closed curve, meshed with its gray-white interface on element edges.
 
@@ -76,10 +76,13 @@ def outline(
     tight: where the thickness exceeds the radius of curvature, or half the distance of opposite sides,
     "refuse" (the message says where) or "trim": the interface, elsewhere the line at the depth `thickness`,
     is rounded there with the radius `size`.
-    fine: discs in which the cortex has smaller elements, as in zones with a thinner cortex or more growth.
+    fine: a disc, or several, of smaller elements in the cortex, as in zones of thinner cortex or more growth.
     Raises ValueError for what cannot be meshed with angles of at least 20 degrees.
     """
     _check_options(thickness, size, base, base_ends, smooth, tight, grading)
+    discs = tuple(fine) if isinstance(fine, (tuple, list)) else (fine,)
+    for disc in discs:
+        instance("fine", disc, Fine, "Fine(centre=(0.0, 0.03), radius=0.01, share=0.5)")
     loop = closed_outline(points)
     free, ground = _parts(loop, base_ends, size)
     pial = line(thinned(free, ground is None, 0.1 * size), ground is None, smooth)
@@ -93,7 +96,7 @@ def outline(
         white = onto_base(white, ground)
 
     def finest(at: Array) -> Array:
-        limits = [disc.share * size + grading * disc.away(at) for disc in fine]
+        limits = [disc.share * size + grading * disc.away(at) for disc in discs]
         return np.asarray(np.min([np.full(at.shape[1], np.inf), *limits], axis=0))
 
     s, edge = _edge_lengths(pial, size, grading, finest)
