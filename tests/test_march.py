@@ -427,3 +427,28 @@ def test_a_scene_that_nothing_holds_together_is_refused(body):
     made = Scene(body=body, terms=(SelfContact(),), processes=(TangentialGrowth(cortex=1.3),))
     with pytest.raises(ValueError, match=r"resists deformation.*Elastic"):
         run(made)
+
+
+@dataclass(frozen=True)
+class Careless:
+    """A process whose methods return what they were told to."""
+
+    first: object
+    later: object
+    reads = ()
+    writes = ("clock",)
+
+    def start(self, body, state, seed):
+        return self.first
+
+    def advance(self, body, state, dt):
+        return self.later
+
+
+@pytest.mark.parametrize("first", [None, {"time": np.zeros(1)}, [np.zeros(1)]])
+def test_a_process_returns_the_fields_it_writes(body, first):
+    good = {"clock": np.zeros(1)}
+    with pytest.raises(ValueError, match=r"Careless\.start.*\(clock\)"):
+        begin(scene(body, processes=(Careless(first, good),)))
+    with pytest.raises(ValueError, match=r"Careless\.advance.*\(clock\)"):
+        run(scene(body, processes=(Careless(good, first),)))

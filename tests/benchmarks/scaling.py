@@ -43,7 +43,7 @@ def main() -> None:
     if chosen.memory:
         print(f"{run(LARGE)[0]} unknowns: peak memory {peak_memory():.0f} MB, target 1000 MB")
         return
-    run(2)  # imports
+    run(4)  # imports
     pairs = [(run(COARSE), run(FINE)) for _ in range(chosen.repeats)]
     (few, _), (many, _) = pairs[0]
     ratios = [fine / coarse for (_, coarse), (_, fine) in pairs]

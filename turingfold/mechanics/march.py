@@ -15,6 +15,7 @@ from ..scene import (
     NotConvergedError,
     Operator,
     Potential,
+    Process,
     Scene,
     SolveError,
     State,
@@ -78,7 +79,7 @@ def begin(scene: Scene) -> Progress:
     scale = np.array(stress_scale(scene.terms))
     state = State(0.0, {"displacement": np.zeros_like(body.nodes), "stress_scale": scale})
     for process in scene.processes:
-        state = state.updated(**process.start(body, state, scene.seed))
+        state = state.updated(**_made(process, "start", process.start(body, state, scene.seed)))
     return Progress(state, scene.stepping.first * scene.until)
 
 
@@ -93,7 +94,18 @@ def processed(scene: Scene, state: State, dt: float) -> dict[str, Array]:
     """Return the fields that the scene's processes have dt after `state`."""
     fields: dict[str, Array] = {}
     for process in scene.processes:
-        fields |= process.advance(scene.body, State(state.time, {**state.fields, **fields}), dt)
+        so_far = State(state.time, {**state.fields, **fields})
+        fields |= _made(process, "advance", process.advance(scene.body, so_far, dt))
+    return fields
+
+
+def _made(process: Process, by: str, fields: object) -> dict[str, Array]:
+    """Return the fields that a process made; raises ValueError for what is no dict of those it writes."""
+    if not isinstance(fields, dict) or not set(fields) <= set(process.writes):
+        raise ValueError(
+            f"{type(process).__name__}.{by} returned {str(fields)[:60]}; it must be a dict of the fields it "
+            f"writes ({', '.join(process.writes)}), {{}} where nothing changes."
+        )
     return fields
 
 
