@@ -120,6 +120,12 @@ def test_arrays_keep_their_bits_and_show_damage(tmp_path):
         read_arrays(tmp_path / "a.npz")
 
 
+def test_a_single_array_is_no_file_of_arrays(tmp_path):
+    np.save(tmp_path / "one.npy", np.arange(3.0))
+    with pytest.raises(CorruptFileError, match="single array"):
+        read_arrays(tmp_path / "one.npy")
+
+
 def test_pickled_arrays_are_not_read(tmp_path):
     np.savez(tmp_path / "a.npz", x=np.array([{}], dtype=object), sha256=np.array(""))
     with pytest.raises(CorruptFileError):

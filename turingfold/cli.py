@@ -14,9 +14,11 @@ import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import TextIO, TypeAlias
 
 from .cli_status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, complain, run_command
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 FIGURES = (".png", ".pdf", ".svg")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
@@ -55,6 +57,14 @@ def parser() -> argparse.ArgumentParser:
     common = argparse.ArgumentParser(add_help=False)
     common.add_argument("--threads", type=_at_least_one, default=1, metavar="N", help="BLAS threads (1)")
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    _add_cases(commands, common)
+    _add_results(commands, common)
+    _add_theory(commands, common)
+    return top
+
+
+def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
+    """Add the commands that run cases and draw what came of them."""
     stored = argparse.ArgumentParser(add_help=False)
     stored.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes() and draw()")
     stored.add_argument("--quick", action="store_true", help="the small version, kept apart")
@@ -85,6 +95,13 @@ def parser() -> argparse.ArgumentParser:
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
     draw.set_defaults(command=_draw, vary=())
 
+    names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
+    names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders")
+    names.set_defaults(command=_list)
+
+
+def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
+    """Add the commands that show stored results."""
     film = commands.add_parser("animate", parents=[common], help="a film of a stored result")
     film.add_argument("result", type=Path, metavar="FOLDER", help="of one scene's result")
     film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
@@ -92,10 +109,15 @@ def parser() -> argparse.ArgumentParser:
     film.add_argument("--rate", type=_at_least_one, default=8, metavar="N", help="states per second (8)")
     film.set_defaults(command=_animate)
 
-    names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
-    names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders")
-    names.set_defaults(command=_list)
+    compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
+    compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
+    compare.add_argument("b", type=Path, metavar="B", help="another one")
+    compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
+    compare.set_defaults(command=_compare)
 
+
+def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
+    """Add the commands that say what theory expects of kinetics and cases."""
     stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")
     stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
     stability.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="repeatable")
@@ -114,13 +136,6 @@ def parser() -> argparse.ArgumentParser:
     what.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
     what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command=_buckling)
-
-    compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
-    compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
-    compare.add_argument("b", type=Path, metavar="B", help="another one")
-    compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
-    compare.set_defaults(command=_compare)
-    return top
 
 
 def _run(options: argparse.Namespace) -> int:

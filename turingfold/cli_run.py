@@ -25,7 +25,7 @@ from .output.document import rebuilt, stored
 from .output.folder import check_folder
 from .output.history import read_history
 from .results import Result, Row, length_unit, load
-from .run import ENOUGH, CoarseMeshWarning, simulate
+from .run import CoarseMeshWarning, coarseness, simulate
 from .scene import Scene, SolveError
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
@@ -91,13 +91,9 @@ def _without_result(names: Iterable[str], base: Path) -> list[str]:
 
 
 def _warn_if_coarse(results: Mapping[str, Result]) -> None:
-    few = min((r.scene.body.elements_through_cortex for r in results.values()), default=ENOUGH)
-    if few < ENOUGH - 0.01:
-        print(
-            f"turingfold: note: only {few:.2g} element(s) through the cortex; folds form too late with fewer "
-            f"than {ENOUGH}, so make size= smaller for numbers to quote",
-            file=sys.stderr,
-        )
+    few = min((r.scene.body.elements_through_cortex for r in results.values()), default=float("inf"))
+    if words := coarseness(few):
+        print(f"turingfold: note: {words}", file=sys.stderr)
 
 
 def results_of(case: Case, options: argparse.Namespace) -> Path:

@@ -74,15 +74,20 @@ def simulate(
         return _Run(scene, frames, progress, folder).to_the_end()
 
 
+def coarseness(elements: float) -> str:
+    """Return what to say of so few elements through a growing cortex, or nothing where they are enough."""
+    if elements >= ENOUGH - 0.01:
+        return ""
+    return (
+        f"only {elements:.2g} element(s) through the cortex; folds form too late with fewer than {ENOUGH}, "
+        "so make size= smaller for numbers to quote"
+    )
+
+
 def _warn_if_coarse(scene: Scene) -> None:
-    few = scene.body.elements_through_cortex
-    if few < ENOUGH - 0.01 and any("growth" in process.writes for process in scene.processes):
-        warnings.warn(
-            f"only {few:.2g} element(s) through the cortex; folds form too late with fewer than {ENOUGH}, so "
-            "make size= smaller for numbers to quote",
-            CoarseMeshWarning,
-            stacklevel=3,
-        )
+    words = coarseness(scene.body.elements_through_cortex)
+    if words and any("growth" in process.writes for process in scene.processes):
+        warnings.warn(words, CoarseMeshWarning, stacklevel=3)
 
 
 @dataclass
