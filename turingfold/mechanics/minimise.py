@@ -17,7 +17,7 @@ from .rays import evaluations, has_inner, rays, reached
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 DOUBLINGS = 8  # of a step away from a saddle
-NEAR = 1e-3  # of the way between two equilibria: a tangent this close to the second speaks for it
+NEAR = 3e-3  # of the way between two equilibria: a tangent this close to the second speaks for it
 ARMIJO = 1e-4
 SHORTEST = 2.0**-30
 
@@ -58,11 +58,15 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Memory:
-    """What a restart needs for the same bits: matrix places, convexity, where the kept tangent was made."""
+    """What a restart needs for the same bits: matrix places, convexity, where the kept tangent was made.
+
+    missed: by how much the last guess missed its equilibrium, as a share of the way to it.
+    """
 
     places: Integers
     level: int
     point: Array | None
+    missed: float
 
 
 @dataclass(frozen=True)
@@ -78,11 +82,9 @@ class System:
     values: Array
     solver: Solver
 
-    def solve(self, b: Array) -> Array:
-        """Return the solution, refined once where its residual asks for it."""
-        x = self.solver.solve(b)
-        missing = b - self.pattern.times(self.values, x)
-        return x if np.linalg.norm(missing) <= 1e-10 * np.linalg.norm(b) else x + self.solver.solve(missing)
+    def length(self, d: Array) -> float:
+        """Return the length √(d·K d) of displacements of the free unknowns, which weighs them by strain."""
+        return float(np.sqrt(max(d @ self.pattern.times(self.values, d), 0.0)))
 
 
 class Minimiser:
@@ -105,13 +107,14 @@ class Minimiser:
         self._solver: Solver | None = None
         self._solver_pattern: object = None
         self._level = 0 if memory is None else memory.level
+        self._missed = float("inf") if memory is None else memory.missed
         self._tangent: System | None = None
 
     @property
     def memory(self) -> Memory:
         """What the next minimisation owes to the earlier ones."""
         point = None if self._tangent is None else self._tangent.point
-        return Memory(self.gatherer.places, self._level, point)
+        return Memory(self.gatherer.places, self._level, point, self._missed)
 
     def forget(self) -> None:
         """Do not start the next minimisation with the tangent of the last one."""
@@ -130,6 +133,8 @@ class Minimiser:
         x, at = _lowest(potentials, x, guess)
         tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
         origin, before = None if tangent is None else tangent.point, float("inf")
+        if x is guess and self._missed < NEAR:
+            tangent = None  # one made at so good a guess will speak for the equilibrium
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             slope, residual = self._slope(at)
@@ -138,6 +143,7 @@ class Minimiser:
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance:
                 negative = self._certified(at, x, origin, tangent)
+                self._missed = self._share(self._tangent, x, guess, origin)
                 return Equilibrium(x, sum(e.energy for e in at), residual, negative)
             if iteration == self.iterations:
                 break
@@ -173,7 +179,7 @@ class Minimiser:
     def _solved(self, system: System, slope: Array) -> Array:
         begin = perf_counter()
         direction = np.zeros(self.gatherer.n_dofs)
-        direction[self.gatherer.free] = -system.solve(slope)
+        direction[self.gatherer.free] = -system.solver.solve(slope)
         self.effort.add("factorisations", begin)
         return direction
 
@@ -185,7 +191,7 @@ class Minimiser:
         """
         if last is not None and self._level == 0 and not has_inner(at):
             smooth = last.lasting == sum(e.curved for e in at)
-            if smooth and _nearer(x, last.point, origin):
+            if smooth and self._share(last, x, last.point, origin) < NEAR:
                 self._tangent = last
                 return 0
         found = self._factorized(at, x, 0.0)
@@ -194,6 +200,14 @@ class Minimiser:
         if found is not None:
             return 0
         return negative_pivots(*self.gatherer.gather([e.hessian(0.0) for e in at if e.curved]))
+
+    def _share(self, system: System | None, x: Array, point: Array | None, origin: Array | None) -> float:
+        """Return the way from a point to x as a share of that from the origin to x; infinite if not known."""
+        if system is None or point is None or origin is None:
+            return float("inf")
+        free = self.gatherer.free
+        way = system.length((x - origin)[free])
+        return system.length((x - point)[free]) / way if way > 0 else float("inf")
 
     def _factorized(self, at: list[Evaluation], x: Array, convexity: float) -> System | None:
         """Return the factorised tangent, or None if it is not positive definite."""
@@ -245,11 +259,6 @@ class Minimiser:
                 return end
             step *= 0.5
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
-
-
-def _nearer(x: Array, point: Array, origin: Array | None) -> bool:
-    """Return whether a point lies much nearer to x than the origin does."""
-    return origin is not None and bool(np.abs(x - point).max() < NEAR * np.abs(x - origin).max())
 
 
 def _lowest(

@@ -244,7 +244,7 @@ def _arrays(checkpoint: Checkpoint) -> Arrays:
         arrays["past.displacements"] = np.stack([past.displacement for past in progress.past])
     if (memory := progress.memory) is not None:
         arrays["memory.places"] = memory.places
-        arrays["memory.level"] = np.array(memory.level)
+        arrays["memory.level"], arrays["memory.missed"] = np.array(memory.level), np.array(memory.missed)
         if memory.point is not None:
             arrays["memory.point"] = memory.point
     return arrays
@@ -256,7 +256,8 @@ def _checkpoint(arrays: Arrays) -> Checkpoint:
     fields = {name.removeprefix("field."): arrays[name] for name in own}
     memory = None
     if "memory.places" in arrays:
-        memory = Memory(arrays["memory.places"], int(arrays["memory.level"]), arrays.get("memory.point"))
+        level, missed = int(arrays["memory.level"]), float(arrays["memory.missed"])
+        memory = Memory(arrays["memory.places"], level, arrays.get("memory.point"), missed)
     past: tuple[Past, ...] = ()
     if "past.times" in arrays:
         pairs = zip(arrays["past.times"].tolist(), arrays["past.displacements"], strict=True)
