@@ -7,39 +7,56 @@ a + b F_zz (along P⊥), a - b F_zz (along R⊥) and those of a 2x2 matrix on (P
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
 import numpy as np
 
 from ..arrays import Array, Integers
 
 
-def negative_part(
-    F: Array, out: Array, a: Array, b: Array, c1: Array, c2: Array
-) -> tuple[Integers, Array, Array]:
-    """Return the points where the tangent is indefinite, and what to add there to make it semi-definite.
+class Negative(NamedTuple):
+    """Points where an eigenvalue is negative, flat indices (p,), its amount (p,), eigenmatrices (2, 2, p)."""
+
+    where: Integers
+    weights: Array
+    vectors: Array
+
+
+def negative_parts(F: Array, out: Array, a: Array, b: Array, c1: Array, c2: Array) -> list[Negative]:
+    """Return the negative eigenvalues of the tangent with their unit eigenmatrices, if there are any.
 
     F: in-plane part (2, 2, q, e); out: F_zz and the tangent's coefficients, each (q, e).
-    Returns flat indices (p,), weights (4, p) = max(0, -eigenvalue) and unit eigenmatrices (4, 2, 2, p).
     """
     P, R = _split(F)
     p2, r2 = (P**2).sum(0), (R**2).sum(0)
-    turn = b * out
-    first = a + turn + (2 * c1 * out + c2 * out**2) * p2
-    second = a - turn + (c2 * out**2 - 2 * c1 * out) * r2
-    coupling2 = (c2 * out**2) ** 2 * p2 * r2
-    indefinite = (a + turn < 0) | (a - turn < 0) | (first < 0) | (second < 0) | (first * second < coupling2)
-    where = np.flatnonzero(indefinite)
-    P, R = P.reshape(2, -1)[:, where], R.reshape(2, -1)[:, where]
-    a, turn, first, second = (v.ravel()[where] for v in (a, turn, first, second))
-    coupling = -np.sqrt(coupling2.ravel()[where])
-    lowest, highest, cosine, sine = _symmetric_pair(first, second, coupling)
-    P, R = _unit(P), _unit(R)
-    none = np.zeros_like(P)
-    pair = [(cosine * P, sine * R), (-sine * P, cosine * R)]
-    vectors = np.stack(
-        [_join(_quarter_turn(P), none), _join(none, _quarter_turn(R)), *(_join(p, r) for p, r in pair)]
-    )
-    eigenvalues = np.stack([a + turn, a - turn, lowest, highest])
-    return where, np.maximum(0.0, -eigenvalues), vectors
+    turn, rise, bulk = b * out, 2 * c1 * out, c2 * out**2
+    across, along = a + turn, a - turn
+    first, second = across + (rise + bulk) * p2, along + (bulk - rise) * r2
+    coupling2 = bulk**2 * p2 * r2
+    in_pair = np.flatnonzero((first < 0) | (second < 0) | (first * second < coupling2))
+    found = [
+        *_turned(across, P, lambda turned: _join(turned, np.zeros_like(turned))),
+        *_turned(along, R, lambda turned: _join(np.zeros_like(turned), turned)),
+    ]
+    if len(in_pair):
+        P, R = (_unit(v.reshape(2, -1)[:, in_pair]) for v in (P, R))
+        first, second, coupling2 = (v.ravel()[in_pair] for v in (first, second, coupling2))
+        lowest, highest, cosine, sine = _symmetric_pair(first, second, -np.sqrt(coupling2))
+        found.append(Negative(in_pair, np.maximum(0.0, -lowest), _join(cosine * P, sine * R)))
+        both = np.flatnonzero(highest < 0)
+        if len(both):
+            vectors = _join(-sine * P, cosine * R)[:, :, both]
+            found.append(Negative(in_pair[both], -highest[both], vectors))
+    return found
+
+
+def _turned(eigenvalues: Array, v: Array, matrix: Callable[[Array], Array]) -> Iterator[Negative]:
+    """Yield where the eigenvalues that belong to a quarter turn of v are negative, if they are anywhere."""
+    where = np.flatnonzero(eigenvalues < 0)
+    if len(where):
+        x, y = _unit(v.reshape(2, -1)[:, where])
+        yield Negative(where, -eigenvalues.ravel()[where], matrix(np.stack([-y, x])))
 
 
 def _split(F: Array) -> tuple[Array, Array]:
@@ -54,10 +71,6 @@ def _join(P: Array, R: Array) -> Array:
     s = np.sqrt(0.5)
     parts = np.stack([np.stack([P[0] + R[0], R[1] - P[1]]), np.stack([P[1] + R[1], P[0] - R[0]])])
     return np.asarray(s * parts)
-
-
-def _quarter_turn(v: Array) -> Array:
-    return np.stack([-v[1], v[0]])
 
 
 def _unit(v: Array) -> Array:

@@ -48,9 +48,8 @@ class NeoHookean:
 
 
 def shrink(J: Array) -> Array:
-    """Return J^{-2/3}, the one root that energy and derivatives share; it costs as much as all the rest."""
-    root = np.cbrt(J)
-    return np.asarray(1.0 / (root * root))
+    """Return J^{-2/3}, which energy and derivatives share; a cube root would take twice the time."""
+    return np.asarray(J ** (-2.0 / 3.0))
 
 
 def energy(mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = None) -> Array:

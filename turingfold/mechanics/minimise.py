@@ -84,7 +84,7 @@ class System:
 
     def length(self, d: Array) -> float:
         """Return the length √(d·K d) of displacements of the free unknowns, which weighs them by strain."""
-        return float(np.sqrt(max(d @ self.pattern.times(self.values, d), 0.0)))
+        return float(np.sqrt(max(float(d @ self.pattern.times(self.values, d)), 0.0)))
 
 
 class Minimiser:
@@ -142,8 +142,7 @@ class Minimiser:
             if not np.isfinite(residual):
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance:
-                negative = self._certified(at, x, origin, tangent)
-                self._missed = self._share(self._tangent, x, guess, origin)
+                negative = self._certified(at, x, guess, origin, tangent)
                 return Equilibrium(x, sum(e.energy for e in at), residual, negative)
             if iteration == self.iterations:
                 break
@@ -183,15 +182,20 @@ class Minimiser:
         self.effort.add("factorisations", begin)
         return direction
 
-    def _certified(self, at: list[Evaluation], x: Array, origin: Array | None, last: System | None) -> int:
+    def _certified(
+        self, at: list[Evaluation], x: Array, guess: Array | None, origin: Array | None, last: System | None
+    ) -> int:
         """Keep the tangent if it is positive definite; return the number of its negative pivots.
 
         The last true tangent speaks for x if it was made within NEAR of the way from the last such place and
         forces change smoothly: a contact may come and go within any distance.
         """
-        if last is not None and self._level == 0 and not has_inner(at):
-            smooth = last.lasting == sum(e.curved for e in at)
-            if smooth and self._share(last, x, last.point, origin) < NEAR:
+        self._missed = float("inf")
+        if last is not None and self._level == 0 and last.lasting == sum(e.curved for e in at):
+            missed = self._share(last, x, guess, origin)
+            near = missed if last.point is guess else self._share(last, x, last.point, origin)
+            self._missed = missed
+            if near < NEAR and not has_inner(at):
                 self._tangent = last
                 return 0
         found = self._factorized(at, x, 0.0)
@@ -201,9 +205,9 @@ class Minimiser:
             return 0
         return negative_pivots(*self.gatherer.gather([e.hessian(0.0) for e in at if e.curved]))
 
-    def _share(self, system: System | None, x: Array, point: Array | None, origin: Array | None) -> float:
+    def _share(self, system: System, x: Array, point: Array | None, origin: Array | None) -> float:
         """Return the way from a point to x as a share of that from the origin to x; infinite if not known."""
-        if system is None or point is None or origin is None:
+        if point is None or origin is None:
             return float("inf")
         free = self.gatherer.free
         way = system.length((x - origin)[free])

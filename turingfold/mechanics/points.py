@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..body import Quadrature
-from .convexity import negative_part
+from .convexity import negative_parts
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def von_mises(mu: Array, F: Array, out2: Array, I1: Array, J: Array) -> Array:
     mean = I1 / 3
     xx, yy = F[0, 0] ** 2 + F[0, 1] ** 2 - mean, F[1, 0] ** 2 + F[1, 1] ** 2 - mean
     xy, zz = F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1], out2 - mean
-    return np.asarray(mu * np.cbrt(J) ** -5 * np.sqrt(1.5 * (xx**2 + yy**2 + zz**2 + 2 * xy**2)))
+    return np.asarray(mu * J ** (-5.0 / 3.0) * np.sqrt(1.5 * (xx**2 + yy**2 + zz**2 + 2 * xy**2)))
 
 
 def tangents(
@@ -106,14 +106,10 @@ def tangents(
 def _add_negative_part(
     share: float, same: Array, mixed: Array, metric: Metric, F: Array, law: tuple[Array, Array, Array, Array]
 ) -> None:
-    D = metric.D
-    where, weights, vectors = negative_part(F, np.sqrt(metric.out2), *law)
-    weights *= share * metric.weights.ravel()[where]
-    for weight, vector in zip(weights, vectors, strict=True):
-        if not weight.any():  # mostly only one of the four directions is unstable anywhere
-            continue
+    D, rest = metric.D, metric.weights.ravel()
+    for where, weights, vectors in negative_parts(F, np.sqrt(metric.out2), *law):
         V = np.zeros_like(F)
-        V.reshape(2, 2, -1)[:, :, where] = np.sqrt(weight) * vector
+        V.reshape(2, 2, -1)[:, :, where] = np.sqrt(share * rest[where] * weights) * vectors
         V = V[:, :1] * D[:, 0] + V[:, 1:] * D[:, 1]
         same[:, ::2] += V * V
         same[:, 1] += V[:, 0] * V[:, 1]
