@@ -236,3 +236,51 @@ def test_a_grown_body_reaches_the_tolerance_and_is_certified():
         d = rng.standard_normal(len(start))
         d[body.fixed] = 0.0
         assert potential.evaluate(found.x + 1e-4 * d).energy > found.energy
+
+
+def hardening(load):
+    """E = x² + x⁴/4 + y² - load x."""
+    return Surface(
+        lambda x, y: x**2 + x**4 / 4 + y**2 - load * x, lambda x, y: (2 * x + x**3 - load, 2 * y),
+        lambda x, y: ((2 + 3 * x**2, 0.0), (0.0, 2.0)),
+    )
+
+
+def place(load):
+    """Where hardening(load) is at rest."""
+    return np.array([np.roots([1, 0, 2, -load]).real[-1], 0.0])
+
+
+def test_a_good_guess_is_factorised_at_once_and_speaks_for_the_equilibrium():
+    solver = minimiser()
+    x = solver.minimise([hardening(1.0)], np.zeros(2)).x
+    x = solver.minimise([hardening(1.1)], x, place(1.1 + 1e-5)).x  # misses by 1e-4 of the way
+    assert solver.memory.missed == pytest.approx(1e-4, rel=0.1)
+    before, surface = solver.effort.factorizations, hardening(1.2)
+    found = solver.minimise([surface], x, place(1.2 + 1e-5))
+    assert found.stable
+    assert found.residual <= 1e-10
+    assert solver.effort.factorizations == before + 1
+    assert np.array_equal(surface.visits[0], place(1.2 + 1e-5))  # the last equilibrium is not looked at
+    assert np.array_equal(solver.memory.point, surface.visits[0])
+
+
+def test_a_trusted_guess_that_misses_is_certified_anew():
+    solver = minimiser()
+    x = solver.minimise([hardening(1.0)], np.zeros(2)).x
+    x = solver.minimise([hardening(1.1)], x, place(1.1 + 1e-5)).x
+    before = solver.effort.factorizations
+    found = solver.minimise([hardening(1.2)], x, place(1.25))
+    assert found.x == pytest.approx(place(1.2), abs=1e-9)
+    assert solver.effort.factorizations > before + 1
+    assert solver.memory.missed == pytest.approx(0.5, rel=0.05)
+    assert solver.memory.point == pytest.approx(found.x, abs=1e-9)
+
+
+def test_a_trusted_guess_that_is_not_admissible_is_left():
+    solver = minimiser()
+    x = solver.minimise([hardening(1.0)], np.zeros(2)).x
+    x = solver.minimise([hardening(1.1)], x, place(1.1 + 1e-5)).x
+    surface = hardening(1.2)
+    energy, surface.energy = surface.energy, lambda x, y: None if x > 0.6 else energy(x, y)
+    assert solver.minimise([surface], x, np.array([0.7, 0.0])).x == pytest.approx(place(1.2), abs=1e-9)

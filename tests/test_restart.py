@@ -23,6 +23,7 @@ MIXED = Elastic(gray=NeoHookean.from_young(1.0, 0.4), element="mixed")
 WALLS = SelfContact()
 MIDPOINT = (Inertia(density=0.05, scheme="midpoint"), Drag(coefficient=0.5, scheme="midpoint"))
 SCENES = {
+    "elastic": (SOLID,),
     "contact": (SOLID, WALLS),
     "drag": (SOLID, WALLS, Drag(coefficient=0.5)),
     "damping": (SOLID, StiffnessDamping(elastic=SOLID, time=0.05)),

@@ -13,7 +13,7 @@ from ..scene import Evaluation, NotConvergedError, Potential
 from .linear import NotPositiveDefinite, Solver, solver_for
 from .pattern import Gatherer, Pattern
 from .pivots import negative_pivots
-from .rays import evaluations, has_inner, rays, reached
+from .rays import evaluations, has_inner, rays, reached, total_energy
 
 CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
 DOUBLINGS = 8  # of a step away from a saddle
@@ -42,7 +42,7 @@ class Equilibrium:
     """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and the tangent's pivots.
 
     negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum. Where no
-    walls touch, it may be that of a place on the last thousandth of the way from the last such place.
+    walls touch, it may be that of a place on the last three thousandths of the way from the last such place.
     """
 
     x: Array
@@ -130,10 +130,11 @@ class Minimiser:
 
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
-        x, at = _lowest(potentials, x, guess)
+        trusted = self._missed < NEAR
+        x, at = _beginning(potentials, x, guess, trusted)
         tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
         origin, before = None if tangent is None else tangent.point, float("inf")
-        if x is guess and self._missed < NEAR:
+        if trusted and x is guess:
             tangent = None  # one made at so good a guess will speak for the equilibrium
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
@@ -143,7 +144,7 @@ class Minimiser:
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance:
                 negative = self._certified(at, x, guess, origin, tangent)
-                return Equilibrium(x, sum(e.energy for e in at), residual, negative)
+                return Equilibrium(x, total_energy(at), residual, negative)
             if iteration == self.iterations:
                 break
             self._heed_deadline(residual)
@@ -265,15 +266,15 @@ class Minimiser:
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
 
 
-def _lowest(
-    potentials: Sequence[Potential], x: Array, guess: Array | None
+def _beginning(
+    potentials: Sequence[Potential], x: Array, guess: Array | None, trusted: bool
 ) -> tuple[Array, list[Evaluation]]:
-    """Return the place of lower energy and its evaluations."""
-    at = evaluations(potentials, x)
+    """Return the place to begin at, with its evaluations: of lower energy, or the guess if it is trusted."""
+    at = None if trusted and guess is not None else evaluations(potentials, x)
     there = None if guess is None else evaluations(potentials, guess)
-    if there is not None and (at is None or sum(e.energy for e in there) <= sum(e.energy for e in at)):
-        assert guess is not None
+    if guess is not None and there is not None and (at is None or total_energy(there) <= total_energy(at)):
         return guess, there
+    at = evaluations(potentials, x) if at is None else at
     if at is None:
         raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
     return x, at
@@ -291,7 +292,7 @@ def _lengthened(
         if min(p.largest_step(x, onward) for p in potentials) < 1.0:
             break
         farther = evaluations(potentials, x + onward)
-        if farther is None or sum(e.energy for e in farther) >= sum(e.energy for e in there):
+        if farther is None or total_energy(farther) >= total_energy(there):
             break
         trial, there = x + onward, farther
     return trial, there

@@ -86,10 +86,9 @@ class Gatherer:
             slots = self._slots(hessians)
         assert self._pattern is not None
         count = len(self._pattern.keys) + 1  # the last place collects what belongs to fixed unknowns
-        sums = [add_up(places, h.values, count) for h, places in zip(hessians, slots, strict=True)]
-        values = sums[0]
-        for more in sums[1:]:
-            values += more
+        values = add_up(slots[0], hessians[0].values, count)
+        for places, more in zip(slots[1:], hessians[1:], strict=True):
+            np.add.at(values, places.ravel(), more.values.ravel())
         return self._pattern, values[:-1]
 
     def _keys(self, rows: Integers, columns: Integers) -> Integers:

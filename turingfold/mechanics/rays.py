@@ -91,3 +91,8 @@ def evaluations(potentials: Sequence[Potential], x: Array) -> list[Evaluation] |
             return None
         found.append(at)
     return found
+
+
+def total_energy(at: Sequence[Evaluation]) -> float:
+    """Return the sum of the energies."""
+    return sum(e.energy for e in at)
