@@ -29,6 +29,7 @@ from .points import (
     deformation,
     determinant,
     determinant_along,
+    first_invariant,
     first_loss,
     metric,
     tangents,
@@ -221,7 +222,7 @@ class ElasticEvaluation:
         self.curved = True
         m = potential.metric
         self.HB = times_symmetric(H, m.B)
-        self.I1 = (H * self.HB).sum((0, 1)) + m.out2
+        self.I1 = first_invariant(H, self.HB, m.out2)
         self.law = potential.mu, potential.kappa, self.I1, J, material.shrink(J)
         density = material.energy(*self.law)
         self.energy = float(np.vdot(m.weights, density))

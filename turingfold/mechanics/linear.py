@@ -41,7 +41,6 @@ class Cholmod:
 
         self._matrix, self._cholmod = matrix, cholmod
         cholmod.options["supernodal"] = 2
-        _keep_freed_memory()
         self._A = spmatrix(1.0, matrix(pattern.rows), matrix(pattern.columns), (pattern.n, pattern.n))
         self._factor = cholmod.symbolic(self._A)
 
@@ -84,6 +83,14 @@ class SuperLu:
         return self._factors.solve(b)
 
 
+def solver_for(pattern: Pattern, name: str = "auto") -> Solver:
+    """Return a solver for the pattern: "cholmod", "superlu", or "auto", the faster one that is installed."""
+    _keep_freed_memory()
+    if name == "superlu" or (name == "auto" and find_spec("cvxopt") is None):
+        return SuperLu(pattern)
+    return Cholmod(pattern)
+
+
 def _keep_freed_memory() -> None:
     """Let the C library keep the blocks that every factorisation takes and gives back.
 
@@ -92,10 +99,3 @@ def _keep_freed_memory() -> None:
     anew, a quarter of its time.
     """
     np.empty(31 * 2**20, dtype=np.uint8)  # freed at once, and never touched
-
-
-def solver_for(pattern: Pattern, name: str = "auto") -> Solver:
-    """Return a solver for the pattern: "cholmod", "superlu", or "auto", the faster one that is installed."""
-    if name == "superlu" or (name == "auto" and find_spec("cvxopt") is None):
-        return SuperLu(pattern)
-    return Cholmod(pattern)

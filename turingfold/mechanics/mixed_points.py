@@ -14,7 +14,7 @@ from skfem import Basis, ElementTriP2
 from ..arrays import Array
 from ..body import Body, Quadrature
 from .material import shrink
-from .points import Metric, cofactor, determinant, times_symmetric
+from .points import Metric, cofactor, determinant, first_invariant, times_symmetric
 
 ORDER = 6
 
@@ -112,7 +112,7 @@ def kinematics(H: Array, metric: Metric) -> Kinematics | None:
     if not J.min() > 0:  # also catches NaN
         return None
     HB = times_symmetric(H, metric.B)
-    I1 = (H * HB).sum((0, 1)) + metric.out2
+    I1 = first_invariant(H, HB, metric.out2)
     return Kinematics(H, HB, cofactor(H, metric.delta), I1, J, shrink(J))
 
 

@@ -56,13 +56,20 @@ def determinant(H: Array) -> Array:
 
 def cofactor(H: Array, delta: Array) -> Array:
     """Return C = ∂J*/∂H = δ cof H, (2, 2, q, e)."""
-    return np.asarray(np.stack([np.stack([H[1, 1], -H[1, 0]]), np.stack([-H[0, 1], H[0, 0]])]) * delta)
+    C = H[::-1, ::-1] * delta
+    for entry in (C[0, 1], C[1, 0]):
+        np.negative(entry, out=entry)
+    return C
 
 
 def times_symmetric(H: Array, B: Array) -> Array:
     """Return H B, (2, 2, q, e), for B given by its components xx, xy and yy."""
-    xx, xy, yy = B
-    return np.stack([H[:, 0] * xx + H[:, 1] * xy, H[:, 0] * xy + H[:, 1] * yy], axis=1)
+    return np.asarray(H[:, :1] * B[:2] + H[:, 1:] * B[1:])
+
+
+def first_invariant(H: Array, HB: Array, out2: Array) -> Array:
+    """Return I₁ = H : H B + F*_zz², (q, e)."""
+    return np.asarray(np.einsum("ijqe,ijqe->qe", H, HB) + out2)
 
 
 def deformation(H: Array, D: Array) -> Array:
@@ -91,9 +98,10 @@ def tangents(
     # c₁(S⊗C + C⊗S) + c₂ C⊗C = K⊗C + C⊗K with K = c₁ S + ½ c₂ C
     K = (w * c1) * HB + (0.5 * w * c2) * C
     same = np.empty((2, 3, *a.shape))
-    same[:] = (w * a) * metric.B
-    same[:, ::2] += 2 * K * C
-    same[:, 1] += K[:, 0] * C[:, 1] + K[:, 1] * C[:, 0]
+    np.multiply(K + K, C, out=same[:, ::2])
+    np.multiply(K[:, 0], C[:, 1], out=same[:, 1])
+    same[:, 1] += K[:, 1] * C[:, 0]
+    same += (w * a) * metric.B
     mixed = K[0][:, None] * C[1][None] + C[0][:, None] * K[1][None]  # (m, n, q, e)
     turn = w * b * metric.delta
     mixed[0, 1] += turn
