@@ -15,7 +15,6 @@ from functools import cached_property
 import ipctk
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csc_matrix, tril
 
 from ..arrays import Array, Integers
 from ..body import Body
@@ -181,11 +180,10 @@ class ContactEvaluation:
         """Return the barrier's Hessian, clamped to be semi-definite where convexity is asked for."""
         operator = self.operator
         method = ipctk.PSDProjectionMethod.CLAMP if convexity > 0 else ipctk.PSDProjectionMethod.NONE
-        full = csc_matrix(operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method))
-        own = len(operator.dofs)
-        lower = tril(full[:own, :own]).tocoo()
-        rows, columns = operator.dofs[lower.row], operator.dofs[lower.col]
-        return Hessian(rows, columns, lower.data * (self.scale / operator.unit**2), False, self._room)
+        full = operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method).tocoo()
+        used = (full.col <= full.row) & (full.row < len(operator.dofs))  # obstacles come after the body's
+        rows, columns = operator.dofs[full.row[used]], operator.dofs[full.col[used]]
+        return Hessian(rows, columns, full.data[used] * (self.scale / operator.unit**2), False, self._room)
 
     def _room(self) -> tuple[Integers, Integers]:
         """Return the entries of all pairs that could come into contact before long."""
@@ -195,8 +193,9 @@ class ContactEvaluation:
         pairs = [(c.vertex_id, *operator.edges[c.edge_id]) for c in near.ev_candidates]
         vertices = np.array(pairs, dtype=np.int64).reshape(-1, 3)
         vertices = vertices[(vertices < operator.moving).all(1)]
-        dofs = operator.dofs.reshape(-1, 2)[vertices].reshape(-1, 6)
-        return np.repeat(dofs, 6, axis=1), np.tile(dofs, 6)
+        dofs = np.sort(operator.dofs.reshape(-1, 2)[vertices].reshape(-1, 6), axis=1)
+        columns, rows = np.triu_indices(6)
+        return dofs[:, rows], dofs[:, columns]
 
 
 def _boundary(body: Body) -> tuple[Integers, Integers, float]:
