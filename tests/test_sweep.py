@@ -10,6 +10,7 @@ from turingfold import Drag, NeoHookean, varied
 from turingfold.cli import main, parser
 from turingfold.cli_case import load_case
 from turingfold.cli_run import draw
+from turingfold.cli_sweep import Sweep
 from turingfold.sweep import read_values
 
 CASE = '''"""A patch of cortex that grows."""
@@ -177,8 +178,9 @@ def test_an_interrupted_sweep_says_how_to_go_on_with_it(case, capsys, monkeypatc
 
 def test_a_sweep_without_all_results_says_how_to_complete_it(case):
     options = parser().parse_args(SWEPT)
+    options.variation = Sweep(tuple(options.vary))
     with pytest.raises(ValueError, match="run the case first") as refused:
-        draw(load_case(options.case, tuple(options.vary)), options)
+        draw(load_case(options.case, options.variation), options)
     command = str(refused.value).partition("run the case first: ")[2]
     assert shlex.split(command) == ["turingfold", *SWEPT, "--resume"]
 

@@ -58,6 +58,7 @@ from .outlines.read import read_outline as read_outline
 from .outlines.retrace import retraced as retraced
 from .output.files import CorruptFileError as CorruptFileError
 from .output.files import OutputError as OutputError
+from .refinement import refined as refined
 from .results import Result as Result
 from .results import load as load
 from .run import CoarseMeshWarning as CoarseMeshWarning

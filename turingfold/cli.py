@@ -1,4 +1,4 @@
-"""The command line: turingfold run, sweep, list, draw, animate, stability, buckling, compare.
+"""The command line: turingfold run, sweep, accuracy, list, draw, animate, stability, buckling, compare.
 
 Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
 Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
@@ -78,7 +78,7 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     running.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
 
     run = commands.add_parser("run", parents=[stored, running, common], help="run a case, draw its figure")
-    run.set_defaults(command=_run, vary=())
+    run.set_defaults(command=_run, variation=None)
 
     sweep = commands.add_parser(
         "sweep", parents=[stored, running, common], help="run a case with other values of its parameters",
@@ -92,8 +92,18 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     sweep.set_defaults(command=_sweep)
 
+    accuracy = commands.add_parser(
+        "accuracy", parents=[stored, running, common], help="error of mesh and steps against run time",
+        description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
+        "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
+        "in DIR/<case>-accuracy.",
+    )  # fmt: skip
+    accuracy.add_argument("--meshes", type=_number, default=1, metavar="N", help="refinements, 4 x each (1)")
+    accuracy.add_argument("--steps", type=_number, default=1, metavar="N", help="halvings of the steps (1)")
+    accuracy.set_defaults(command=_accuracy)
+
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
-    draw.set_defaults(command=_draw, vary=())
+    draw.set_defaults(command=_draw, variation=None)
 
     names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
     names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders")
@@ -147,8 +157,13 @@ def _run(options: argparse.Namespace) -> int:
 def _sweep(options: argparse.Namespace) -> int:
     from .cli_sweep import sweep
 
-    options.vary = tuple(options.vary)
     return sweep(options)
+
+
+def _accuracy(options: argparse.Namespace) -> int:
+    from .cli_accuracy import accuracy
+
+    return accuracy(options)
 
 
 def _draw(options: argparse.Namespace) -> int:
@@ -210,6 +225,12 @@ def _compare(options: argparse.Namespace) -> int:
 def _at_least_one(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 1")
+    return int(text)
+
+
+def _number(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number")
     return int(text)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, is_dataclass
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 from .results import Result
 from .scene import Scene, SolveError
@@ -27,24 +27,40 @@ EXPECTED = (
     "Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
 )
 
-SIDE_BY_SIDE = 4  # variations in a row
+
+class Variation(Protocol):
+    """What a command other than `run` makes of a case's scenes, and how it draws what becomes of them."""
+
+    @property
+    def command(self) -> str:
+        """Its name, which the folder of the results ends with."""
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Its own arguments on the command line."""
+
+    def scenes(self, scenes: dict[str, Scene]) -> dict[str, Scene]:
+        """Return the scenes to run, by name."""
+
+    def draw(self, results: dict[str, Result], figure: Any) -> object:
+        """Draw their results."""
 
 
 @dataclass(frozen=True)
 class Case:
     """A case file that was read.
 
-    vary: values of parameters, as text, that its scenes are run with instead of their own.
+    variation: what is run instead of its own scenes, if something is.
     """
 
     path: Path
     module: ModuleType
-    vary: tuple[tuple[str, str], ...] = ()
+    variation: Variation | None = None
 
     @property
     def name(self) -> str:
         """Name of the file, which its results and its figure have too."""
-        return f"{self.path.stem}-sweep" if self.vary else self.path.stem
+        return f"{self.path.stem}-{self.variation.command}" if self.variation else self.path.stem
 
     @property
     def title(self) -> str:
@@ -77,43 +93,24 @@ class Case:
             raise ValueError(f"{self.path} has no scene {unknown[0]!r}; it has: {names}.")
         self._check_apart(found)
         chosen = {name: scene for name, scene in found.items() if not only or name in only}
-        return self._varied(chosen) if self.vary else chosen
+        if self.variation is None:
+            return chosen
+        made = self.variation.scenes(chosen)
+        self._check_apart(made)
+        return made
 
     def _check_apart(self, names: Collection[str]) -> None:
         folders = {folder_name(name) for name in names}
         if len(folders) < len(names):
             raise ValueError(f"{self.path}: scenes must differ in the letters of their names: {list(names)}.")
 
-    def _varied(self, scenes: dict[str, Scene]) -> dict[str, Scene]:
-        from .sweep import read_values, varied
-
-        parameters = [parameter for parameter, _ in self.vary]
-        for parameter in parameters:
-            if parameters.count(parameter) > 1:
-                raise ValueError(f"{parameter} is varied twice; list all its values in one --vary.")
-        found = {}
-        for name, scene in scenes.items():
-            values = {parameter: read_values(text, scene, parameter) for parameter, text in self.vary}
-            for own, changed in varied(scene, values).items():
-                found[f"{name}, {own}" if len(scenes) > 1 else own] = changed
-        self._check_apart(found)
-        return found
-
     @property
     def draw(self) -> Callable[[dict[str, Result], Any], object] | None:
         """Its function that draws, if it has one."""
-        return _side_by_side if self.vary else getattr(self.module, "draw", None)
+        return self.variation.draw if self.variation else getattr(self.module, "draw", None)
 
 
-def _side_by_side(results: dict[str, Result], figure: Any) -> None:
-    """Draw the last state of each result, with its numbers."""
-    from .panels import grid
-
-    columns = min(len(results), SIDE_BY_SIDE)
-    grid(figure, {name: (result, -1) for name, result in results.items()}, columns=columns)
-
-
-def load_case(path: Path, vary: tuple[tuple[str, str], ...] = ()) -> Case:
+def load_case(path: Path, variation: Variation | None = None) -> Case:
     """Read a case file; raises ValueError if it is missing, has a mistake or has no scenes."""
     if not path.is_file():
         raise ValueError(f"there is no case file {path}; turingfold list names those in the folder cases.")
@@ -127,7 +124,7 @@ def load_case(path: Path, vary: tuple[tuple[str, str], ...] = ()) -> Case:
         spec.loader.exec_module(module)
     if not callable(getattr(module, "scenes", None)):
         raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
-    return Case(path, module, vary)
+    return Case(path, module, variation)
 
 
 def find_cases(paths: Iterable[Path]) -> list[Path]:

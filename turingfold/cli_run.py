@@ -46,7 +46,7 @@ class Job:
 def run(options: argparse.Namespace) -> int:
     """Run the scenes, say what became of them, draw the figure; return the exit status."""
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
-    case = load_case(options.case, options.vary)
+    case = load_case(options.case, options.variation)
     scenes = case.scenes(quick=options.quick, only=options.only or ())
     base = results_of(case, options)
     jobs = [
@@ -110,13 +110,13 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
     names = _drawn(case, options)
     if missing := _without_result(names, base):
         which = "no results" if len(missing) == len(names) else f"no results of {', '.join(missing)}"
-        if case.vary:  # of which single scenes cannot be chosen
+        if case.variation:  # of which single scenes cannot be chosen
             command = run_command(options, options.only or (), "--resume")
         else:
             command = run_command(options, missing if len(missing) < len(names) else ())
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: load(base / folder_name(name), known=case.known) for name in names}
-    apart = bool(options.quick or options.out is not None or case.vary)
+    apart = bool(options.quick or options.out is not None or case.variation)
     path = figure_path(case.path.with_stem(case.name), base, apart=apart)
     with explained(case.path), save_figure(path) as figure:
         case.draw(results, figure)
@@ -124,8 +124,8 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
 
 
 def _drawn(case: Case, options: argparse.Namespace) -> dict[str, Scene]:
-    """Return the scenes that the figure shows: all of a case, the chosen ones of a sweep."""
-    return case.scenes(quick=options.quick, only=(options.only or ()) if case.vary else ())
+    """Return the scenes that the figure shows: all of a case, the chosen ones of a variation."""
+    return case.scenes(quick=options.quick, only=(options.only or ()) if case.variation else ())
 
 
 def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> dict[str, str]:

@@ -24,9 +24,11 @@ def complain(message: str) -> None:
 
 
 def run_command(options: argparse.Namespace, only: Iterable[str], *more: str) -> str:
-    """Return the command that runs or sweeps some scenes of a case, or all for none, to the same place."""
-    words = ["turingfold", "sweep" if options.vary else "run", str(options.case)]
-    words += [word for name, values in options.vary for word in ("--vary", f"{name}={values}")]
+    """Return the command that runs some scenes of a case, or all for none, to the same place."""
+    command, arguments = "run", ()
+    if options.variation is not None:
+        command, arguments = options.variation.command, options.variation.arguments
+    words = ["turingfold", command, str(options.case), *arguments]
     words += ["--quick"] if options.quick else []
     words += ["--out", str(options.out)] if options.out else []
     words += [word for name in only for word in ("--only", name)]

@@ -5,17 +5,55 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+from dataclasses import dataclass
+from typing import Any
 
 from .cli_case import folder_name, load_case
 from .cli_run import results_of, run
 from .output.files import write_whole
-from .results import load
+from .results import Result, load
+from .scene import Scene
+from .sweep import read_values, varied
 
 TABLE = "sweep.csv"
 NUMBERS = (
     "growth", "folds", "gyrification_index", "sulcal_depth", "registration", "energy", "min_jacobian",
     "self_intersections", "steps", "newton_iterations", "seconds",
 )  # fmt: skip
+SIDE_BY_SIDE = 4  # variations in a row
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Scenes with other values of parameters, which are given as text."""
+
+    vary: tuple[tuple[str, str], ...]
+    command = "sweep"
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The values, as on the command line."""
+        return tuple(word for name, values in self.vary for word in ("--vary", f"{name}={values}"))
+
+    def scenes(self, scenes: dict[str, Scene]) -> dict[str, Scene]:
+        """Return each scene with each combination of values."""
+        parameters = [parameter for parameter, _ in self.vary]
+        for parameter in parameters:
+            if parameters.count(parameter) > 1:
+                raise ValueError(f"{parameter} is varied twice; list all its values in one --vary.")
+        found = {}
+        for name, scene in scenes.items():
+            values = {parameter: read_values(text, scene, parameter) for parameter, text in self.vary}
+            for own, changed in varied(scene, values).items():
+                found[f"{name}, {own}" if len(scenes) > 1 else own] = changed
+        return found
+
+    def draw(self, results: dict[str, Result], figure: Any) -> None:
+        """Draw the last state of each result, with its numbers."""
+        from .panels import grid
+
+        columns = min(len(results), SIDE_BY_SIDE)
+        grid(figure, {name: (result, -1) for name, result in results.items()}, columns=columns)
 
 
 def sweep(options: argparse.Namespace) -> int:
@@ -23,8 +61,9 @@ def sweep(options: argparse.Namespace) -> int:
 
     Table and figure are of this sweep alone: results of earlier ones stay in their folders, but are not read.
     """
+    options.variation = Sweep(tuple(options.vary))
     status = run(options)
-    case = load_case(options.case, options.vary)
+    case = load_case(options.case, options.variation)
     base = results_of(case, options)
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
