@@ -166,6 +166,8 @@ def test_a_slanted_base_meets_the_interface_on_a_node():
         ({"points": circle()[:, :7]}, "7 different points"),
         ({"points": circle()[:, :200]}, "open curve"),
         ({"points": circle()[0]}, "shape"),
+        ({"points": circle() + 1j}, "points is complex"),
+        ({"points": [["a", "b"]] * 9}, "must be an array of numbers"),
         ({"points": np.full((2, 20), 1.0)}, "1 different points"),
         ({"points": circle() * np.where(np.arange(240) == 7, np.nan, 1)}, "point 7 .*finite"),
         ({"size": 0.3}, "size=0.3 m must be at most twice"),

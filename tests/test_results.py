@@ -73,12 +73,13 @@ def test_history_has_a_row_per_step(grown):
         assert row["growth"] == pytest.approx(1 + (GROWTH - 1) * row["time"], rel=1e-12)
 
 
-def test_a_step_that_does_not_exist_is_named(grown):
+@pytest.mark.parametrize("asked", ["pial", "pattern", "observe"])
+def test_a_step_that_does_not_exist_is_named(grown, asked):
     count = len(grown.states)
     assert np.array_equal(grown.pial(-count), grown.pial(0))
     for step in (count, -count - 1, 0.5, None):
         with pytest.raises(ValueError, match=rf"step={step} must be .*has {count} states, 0 to {count - 1}"):
-            grown.pial(step)
+            getattr(grown, asked)(step)
 
 
 def test_progress_sees_every_row():

@@ -66,8 +66,8 @@ def one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
     return str(value)
 
 
-def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """Return value as a real array of the given shape (None: any length) without NaN or infinity."""
+def real_array(name: str, value: Any) -> NDArray[np.float64]:
+    """Return value as an array of real numbers."""
     try:
         given = np.asarray(value)
         complex_numbers = given.dtype.kind == "c"
@@ -76,6 +76,12 @@ def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArra
         raise ValueError(f"{name}={value!r} must be an array of numbers.") from error
     if complex_numbers:
         raise ValueError(f"{name} is complex; it must be real: give points as rows of x and of y.")
+    return array
+
+
+def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    """Return value as a real array of the given shape (None: any length) without NaN or infinity."""
+    array = real_array(name, value)
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
         lengths = ", ".join("n" if n is None else str(n) for n in shape)
         wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"

@@ -53,23 +53,30 @@ class Result:
 
         Raises ValueError for a step that is none of the states'.
         """
-        body, count = self.scene.body, len(self.states)
+        body = self.scene.body
+        return along_pial(body, (body.nodes + self._state(step)["displacement"])[:, body.pial])
+
+    def _state(self, step: int) -> State:
+        count = len(self.states)
         known = f"the result has {count} states, 0 to {count - 1} or, from the last one, -1 to -{count}"
         if whole("step", step, at_least=-count, remedy=known) >= count:
             raise ValueError(f"step={step} must be at most {count - 1}; {known}.")
-        return along_pial(body, (body.nodes + self.states[step]["displacement"])[:, body.pial])
+        return self.states[step]
 
     def pattern(self, step: int = -1) -> Array | None:
-        """Return the pattern û at the points of `pial`, (n,), or None without a pattern."""
-        body, state = self.scene.body, self.states[step]
+        """Return the pattern û at the points of `pial`, (n,), or None without a pattern; raises as `pial`."""
+        body, state = self.scene.body, self._state(step)
         if "pattern" not in state:
             return None
         everywhere = body.spread(body.cortex, state["pattern"], outside=0.0)
         return along_pial(body, everywhere[body.pial])
 
     def observe(self, step: int = -1) -> dict[str, Array]:
-        """Return von_mises and pressure (Pa), jacobian and whatever else the terms show, each (q, e)."""
-        scene, state = self.scene, self.states[step]
+        """Return von_mises and pressure (Pa), jacobian and what else the terms show, each (q, e).
+
+        Raises ValueError for a step that is none of the states'.
+        """
+        scene, state = self.scene, self._state(step)
         times = [row["time"] for row in self.history]
         row = times.index(state.time) if state.time in times else 0
         return observe(self._operators, state, self.history[row]["step"] if self.history else scene.until)

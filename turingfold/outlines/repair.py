@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..checks import real_array
 from ..polygon import area, intersections
 
 FEWEST = 8
@@ -74,7 +75,7 @@ def refuse_crossings(curve: Array, name: str) -> None:
 
 
 def _columns(points: Any) -> Array:
-    curve = np.asarray(points, dtype=float)
+    curve = real_array("points", points)
     if curve.ndim != 2 or 2 not in curve.shape:
         raise ValueError(f"points has shape {curve.shape}; it must be (2, n) or (n, 2).")
     curve = curve if curve.shape[0] == 2 else curve.T
