@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from skfem import MeshTri2
+from skfem import ElementTriP2, MeshTri2
 
-from .arrays import Array, Integers
+from .arrays import Integers
 from .body import Body
 from .checks import instance, whole
-from .triangles import straight_mesh
+from .triangles import CORNERS_AND_MIDDLES, straight_mesh
 
-# corners and edge middles of the reference triangle, as scikit-fem orders them, and the four triangles there
-PLACES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+# the four triangles between corners and edge middles
 CHILDREN = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
 EDGES = ((0, 1), (1, 2), (0, 2))
 
@@ -36,22 +35,14 @@ def _split(body: Body) -> Body:
     points = np.concatenate([nodes, mesh.doflocs[:, mesh.nvertices :]], axis=1)
     for child, own in zip(CHILDREN, np.split(mesh.t2f, len(CHILDREN), axis=1), strict=True):
         for edge, facets in zip(EDGES, own, strict=True):
-            halfway = PLACES[:, child[list(edge)]].mean(axis=1)
-            points[:, mesh.nvertices + facets] = np.tensordot(nodes[:, old], _shapes(halfway), (1, 0))
+            halfway = CORNERS_AND_MIDDLES[:, child[list(edge)]].mean(axis=1)
+            shapes = np.array([ElementTriP2().lbasis(halfway, i)[0] for i in range(6)])
+            points[:, mesh.nvertices + facets] = np.tensordot(nodes[:, old], shapes, (1, 0))
     gray = np.flatnonzero(np.tile(body.in_cortex, len(CHILDREN)))
     finer = MeshTri2(
         points, mesh.t, _boundaries=_boundaries(body, mesh), _subdomains={"cortex": gray}, validate=False
     )
     return Body(finer, body.thickness, body.base)
-
-
-def _shapes(place: Array) -> Array:
-    """Return the six quadratic shape functions at a place of the reference triangle, corners first."""
-    x, y = place
-    corners = np.array([1.0 - x - y, x, y])
-    return np.concatenate(
-        [corners * (2 * corners - 1), 4 * np.array([corners[a] * corners[b] for a, b in EDGES])]
-    )
 
 
 def _boundaries(body: Body, mesh: MeshTri2) -> dict[str, Integers]:
