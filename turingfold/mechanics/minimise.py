@@ -117,8 +117,8 @@ class Minimiser:
         return Memory(self.gatherer.places, self._level, point, self._missed)
 
     def forget(self) -> None:
-        """Do not start the next minimisation with the tangent of the last one."""
-        self._tangent = None
+        """Start the next minimisation without the tangent of the last one, and without trust in its guess."""
+        self._tangent, self._missed = None, float("inf")
 
     def remember(self, potentials: Sequence[Potential], point: Array) -> None:
         """Factorise the tangent that an earlier minimisation kept."""
@@ -126,7 +126,7 @@ class Minimiser:
         self._tangent = None if at is None else self._factorized(at, point, 0.0)
 
     def minimise(self, potentials: Sequence[Potential], x: Array, guess: Array | None = None) -> Equilibrium:
-        """Return the equilibrium reached from x, or from the guess if its energy is lower.
+        """Return the equilibrium reached from x, or from a guess of lower energy or after a good one.
 
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
