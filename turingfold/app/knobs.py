@@ -18,7 +18,7 @@ Number: TypeAlias = int | float
 Range: TypeAlias = tuple[float, float] | None  # None where a value says nothing about what is sensible
 
 MOST = 8  # sliders
-STEPS = 100  # of a slider, at least
+STEPS = 200  # of a slider, at least
 
 
 def _factor(value: float) -> Range:
@@ -179,24 +179,28 @@ class Settings:
         self.absent: set[str] = set()
 
     def read(self, text: str) -> tuple[str, Any]:
-        """Return parameter and value of a text such as "AxonalTension.ramp=0.2"; raises ValueError."""
+        """Return parameter and value of a text such as "AxonalTension.ramp=0.2".
+
+        Raises ValueError for what the scene does not have, not for values that its parts refuse; see `made`.
+        """
         parameter, sign, word = (piece.strip() for piece in text.partition("="))
         if not (parameter and sign and word):
             raise ValueError(f"{text!r} is not of the form PART.NAME=VALUE, such as AxonalTension.ramp=0.2.")
         found = read_values(word, self.original, parameter)
         if len(found) != 1:
             raise ValueError(f"{text!r} lists {len(found)} values; give one.")
-        varied(self.original, {parameter: found})
         return parameter, found[0]
 
     def changes(self) -> dict[str, list[Any]]:
-        """Return what `varied` takes; a part is left out before what it reads is."""
-        names = [type(part).__name__ for part in (*self.original.terms, *self.original.processes[::-1])]
-        found: dict[str, list[Any]] = {name: ["off"] for name in names if name in self.absent}
-        for parameter, value in self.values.items():
-            if parameter.partition(".")[0] not in self.absent:
-                found[parameter] = [value]
-        return found
+        """Return what `varied` takes: values first, then the parts left out, each before what it reads."""
+        found = {
+            parameter: [value]
+            for parameter, value in self.values.items()
+            if parameter.partition(".")[0] not in self.absent
+        }
+        every = (*self.original.terms, *self.original.processes[::-1])
+        names = [type(part).__name__ for part in every]
+        return found | {name: ["off"] for name in names if name in self.absent}
 
     def made(self) -> tuple[str, Scene]:
         """Return the changed scene and its name, "" if nothing is changed; raises ValueError."""

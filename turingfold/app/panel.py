@@ -83,14 +83,27 @@ class Panel:
         self.entry.label.set_fontsize(9)
         self.entry.text_disp.set_fontsize(9)
         self.entry.on_submit(self._typed)
+        self.entry.on_text_change(lambda text: self._hint.set_visible(not text))
         hint = "PART.NAME=VALUE, Enter"
         self._hint = axes.text(0.97, 0.5, hint, color=FAINT, fontsize=8, ha="right", va="center")
 
     def _slid(self, knob: Knob, value: float) -> None:
-        self.settings.values[knob.parameter] = knob.nearest(value)
-        if self.settings.values[knob.parameter] == knob.value:
-            del self.settings.values[knob.parameter]
+        self._set(knob.parameter, knob.nearest(value))
         self._heed("")
+
+    def _set(self, parameter: str, value: Any) -> None:
+        """Take a value into the settings, unless it is the case's own, and let a slider stand there."""
+        values, knob = self.settings.values, self._knobs.get(parameter)
+        values[parameter] = value
+        if knob is None:
+            return
+        if value == knob.value:
+            del values[parameter]
+        slider = self.sliders[parameter]
+        slider.eventson = False
+        slider.set_val(min(max(value, slider.valmin), slider.valmax))
+        slider.eventson = True
+        slider.valtext.set_text(f"{value:.5g}")
 
     def _switched(self, name: str) -> None:
         there = self.switches[name].get_status()[0]
@@ -107,26 +120,20 @@ class Panel:
         """Take a value that was typed in, whether there is a slider for it or not."""
         if not text.strip():
             return
+        own = dict(self.settings.values)
         try:
             parameter, value = self.settings.read(text)
+            self.settings.values[parameter] = value
+            self.settings.made()
         except ValueError as error:
+            self.settings.values = own
             self._heed(str(error))
             return
-        self.settings.values[parameter] = value
-        self.show(parameter, value)
-        self.entry.text_disp.set_text("")
+        self._set(parameter, value)
+        self.entry.text_disp.set_text("")  # not set_val, which would be another submission
         self.entry.cursor_index = 0
+        self._hint.set_visible(True)
         self._heed("")
-
-    def show(self, parameter: str, value: Any) -> None:
-        """Let the slider of a parameter, if there is one, stand at a value, at its end if that is beyond."""
-        slider = self.sliders.get(parameter)
-        if slider is None:
-            return
-        slider.eventson = False
-        slider.set_val(min(max(value, slider.valmin), slider.valmax))
-        slider.eventson = True
-        slider.valtext.set_text(f"{value:.5g}")
 
     def widgets(self) -> list[AxesWidget]:
         """Return everything that listens to the mouse."""

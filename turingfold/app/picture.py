@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from textwrap import shorten
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -19,13 +20,14 @@ if TYPE_CHECKING:
 SKY = "#56b4e9"  # of Okabe and Ito's colours
 TISSUE, STRESS = "tissue and pattern", "von Mises stress"
 VIEWS = (TISSUE, STRESS)
-Box = tuple[Array, Array]  # lower left and upper right corner; mm
+Box: TypeAlias = tuple[Array, Array]  # lower left and upper right corner; mm
+Before: TypeAlias = tuple[Array, str]  # pial surface, (2, n), and what was changed
 
 
-def picture(axes: Axes, result: Result, view: str, *, before: Array | None = None, box: Box) -> None:
+def picture(axes: Axes, result: Result, view: str, *, before: Before | None = None, box: Box) -> None:
     """Draw the last state of a result in a frame, with the undeformed outline.
 
-    view: one of VIEWS.  before: pial surface of another run, (2, n), drawn as well.
+    view: one of VIEWS.  before: another run to compare it with.
     """
     body = result.scene.body
     if view == STRESS:
@@ -36,13 +38,17 @@ def picture(axes: Axes, result: Result, view: str, *, before: Array | None = Non
     if result.history:
         outline(axes, body)
     if before is not None:
-        line = np.concatenate([before, before[:, :1]], axis=1) if pial_closed(body) else before
-        axes.plot(*(MM * line), color=SKY, linewidth=1.5, label="previous run")
+        line, label = before
+        if pial_closed(body):
+            line = np.concatenate([line, line[:, :1]], axis=1)
+        axes.plot(*(MM * line), color=SKY, linewidth=1.5, label=f"run before: {shorten(label, 40)}")
     (left, low), (right, high) = box
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper left", frameon=False, fontsize=9, labelcolor=INK)
+        axes.legend(
+            loc="upper left", bbox_to_anchor=(0, 0), ncols=3, frameon=False, fontsize=9, labelcolor=INK
+        )
 
 
 def extent(result: Result, box: Box | None = None) -> Box:

@@ -6,13 +6,12 @@ import textwrap
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
-from ..arrays import Array
 from ..drawing import INK
 from ..plots import measures
 from ..scene import Scene, SolveError
 from .knobs import Settings
 from .panel import BESIDE, BLUE, CHOICE, INDENT, LEFT, Panel
-from .picture import TISSUE, VIEWS, Box, extent, picture
+from .picture import TISSUE, VIEWS, Before, Box, extent, picture
 from .trial import Trial
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ Command: TypeAlias = Callable[[str, Assignments], str]
 Save: TypeAlias = Callable[[str, Callable[["Figure"], object]], "Path"]
 
 SIZE = 12.0, 7.2  # inch
-PICTURE = (0.39, 0.25, 0.60, 0.73)  # of the figure
+PICTURE = (0.39, 0.30, 0.60, 0.68)  # of the figure
 CASE = "the values of the case"
 PAUSE = 15  # ms between steps, for the window to draw and to listen
 RED = "#c00000"
@@ -52,7 +51,7 @@ class App:
         self.running = False
         self.name = next(iter(self.scenes))
         self._next: tuple[Scene, str, str] | None = None  # to begin at the next tick
-        self._before: Array | None = None  # pial surface of the run before
+        self._before: Before | None = None
         self._box: Box | None = None
         self._drawn: list[Axes] = []
         self._timer = figure.canvas.new_timer(interval=PAUSE, callbacks=[(self.tick, (), {})])
@@ -99,7 +98,8 @@ class App:
         self.name = names[(names.index(self.name) + onward) % len(names)]
         many = f"  ({names.index(self.name) + 1} of {len(names)})" if len(names) > 1 else ""
         self.heading.set_text(textwrap.shorten(self.name, 34, placeholder=" ...") + many)
-        self._before = self._box = None
+        self.trial = self._before = self._box = None
+        self.numbers.set_text("")
         self._controls()
         self._next, self.running = (self.scenes[self.name], "", self.line()), True
         self.tick()
@@ -155,13 +155,12 @@ class App:
         except (ValueError, SolveError) as error:
             self._end()
             self._say(str(error), RED)
-            return
         self._draw()
 
     def _show(self, trial: Trial) -> None:
         """Draw this run from now on, beside the surface that the one before came to."""
         if self.trial is not None and self.trial.history and self._box is not None:
-            self._before = self.trial.result.pial()
+            self._before = self.trial.result.pial(), self.trial.label or CASE
         self.trial, self._next = trial, None
         self._say(_told("Running", trial))
 
@@ -206,6 +205,7 @@ class App:
         axes = figure.add_subplot()
         picture(axes, trial.result, self.view, before=self._before, box=extent(trial.result, self._box))
         axes.set_title(f"{textwrap.fill(words, 90)}\n{measures(trial.result)}", fontsize=10)
+        figure.supxlabel(textwrap.fill(trial.line, 130), fontsize=7)
 
     def _draw(self) -> None:
         for axes in self._drawn:
