@@ -28,6 +28,11 @@ BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="s
 
 def section(side, stage):
     """Return the published outline, (2, n)."""
+    if not FOLDER.is_dir():
+        raise ValueError(
+            f"there is no folder {FOLDER}; let FERRET_OUTLINES name one with coronal_q25_<side>_stage<n>.csv: "
+            "sections at a quarter of the length of the surfaces published with Choi et al. 2025."
+        )
     return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv")
 
 
