@@ -190,6 +190,14 @@ def test_a_run_is_that_of_simulate_with_the_value_of_the_slider(scene, window, c
     assert "--vary TangentialGrowth.cortex=1.1" in capsys.readouterr().out
 
 
+def test_a_state_that_is_no_minimum_is_called_so(scene, window):
+    app = window(scene)
+    finish(app)
+    app.trial.history[-1]["negative_pivots"] = 2
+    app.look(TISSUE)
+    assert app.numbers.get_text().endswith("no minimum: energy falls in 2 direction(s)")
+
+
 def test_the_mouse_moves_sliders_and_presses_buttons(scene, window):
     app = window(scene)
     slider = app.panel.sliders["Turing.half_waves"]

@@ -30,10 +30,11 @@ LAYERS = (
     ("run",),
     ("diagram", "drawing"),
     ("panels", "plots"),
-    ("accuracy", "animation"),
+    ("accuracy", "animation", "app"),
     ("cli_case", "cli_figure", "cli_status"),
     ("cli_buckling", "cli_follow", "cli_run", "cli_tools"),
     ("cli_accuracy", "cli_sweep"),
+    ("cli_app",),
     ("cli",),
     ("__main__",),
 )

@@ -30,7 +30,7 @@ PICTURE = (0.39, 0.30, 0.60, 0.68)  # of the figure
 CASE = "the values of the case"
 PAUSE = 15  # ms between steps, for the window to draw and to listen
 RED = "#c00000"
-WIDTH = 104  # letters in a line of the message
+WIDTH = 98  # letters in a line of the message
 
 
 class App:
@@ -67,7 +67,7 @@ class App:
 
         self.heading = self.figure.text(LEFT, 0.955, "", fontsize=12, va="center", color=INK)
         self.numbers = self.figure.text(0.39, 0.235, "", fontsize=11, va="top", color=INK, linespacing=1.4)
-        self.message = self.figure.text(0.39, 0.15, "", fontsize=9, va="top", color=INK, linespacing=1.4)
+        self.message = self.figure.text(0.39, 0.16, "", fontsize=8.5, va="top", color=INK, linespacing=1.4)
         actions = {"Run": self.run, "Stop": self.stop, "Reset": self.reset, "Save": self.save}
         self.buttons = {
             word: self._button((LEFT + 0.082 * k, 0.12, 0.074, 0.055), word, action)
@@ -222,8 +222,8 @@ class App:
         self.figure.canvas.draw_idle()
 
     def _say(self, message: str, color: str = INK) -> None:
-        lines = [line for part in message.splitlines() for line in textwrap.wrap(part, WIDTH)]
-        self.message.set_text("\n".join(lines))
+        parts = (textwrap.fill(part, WIDTH, break_on_hyphens=False) for part in message.splitlines())
+        self.message.set_text("\n".join(parts))
         self.message.set_color(color)
         self.figure.canvas.draw_idle()
 
@@ -239,4 +239,5 @@ def _numbers(trial: Trial) -> str:
 
 
 def _told(what: str, trial: Trial) -> str:
-    return f"{what}: {trial.label or CASE}.\n{trial.line}"
+    changes = textwrap.shorten(trial.label or CASE, WIDTH - 20, placeholder=" and more")
+    return f"{what}: {changes}.\n{trial.line}"
