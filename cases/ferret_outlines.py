@@ -30,7 +30,7 @@ def section(side, stage):
     """Return the published outline, (2, n)."""
     if not FOLDER.is_dir():
         raise ValueError(
-            f"there is no folder {FOLDER}; let FERRET_OUTLINES name one with coronal_q25_<side>_stage<n>.csv: "
+            f"there is no folder {FOLDER}; set FERRET_OUTLINES to one with coronal_q25_left_stage1.csv etc., "
             "sections at a quarter of the length of the surfaces published with Choi et al. 2025."
         )
     return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv")
