@@ -58,8 +58,7 @@ class App:
         figure.canvas.mpl_connect("close_event", lambda _: self._timer.stop())
         figure.set_size_inches(*SIZE)
         self._layout()
-        self.panel = Panel(figure, Settings(self.scenes[self.name]), self._changed)
-        self.choose(0)
+        self._enter()
 
     def _layout(self) -> None:
         """Put up what stays whatever the scene."""
@@ -96,6 +95,12 @@ class App:
         """Show the scene that comes so many after the present one, as it starts."""
         names = list(self.scenes)
         self.name = names[(names.index(self.name) + onward) % len(names)]
+        self.panel.remove()
+        self._enter()
+
+    def _enter(self) -> None:
+        """Put up the controls of the present scene, and show how it starts."""
+        names = list(self.scenes)
         many = f"  ({names.index(self.name) + 1} of {len(names)})" if len(names) > 1 else ""
         self.heading.set_text(textwrap.shorten(self.name, 34, placeholder=" ...") + many)
         self.trial = self._before = self._box = None
@@ -108,11 +113,11 @@ class App:
             self._say("Change something, then press Run.")
 
     def _controls(self) -> None:
-        self.panel.remove()
         self.panel = Panel(self.figure, Settings(self.scenes[self.name]), self._changed)
 
     def reset(self) -> None:
         """Return all parameters to the scene's own values; what is drawn stays."""
+        self.panel.remove()
         self._controls()
         self._changed("")
 
