@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from turingfold import (
     AxonalTension,
     Elastic,
+    Imperfection,
     NeoHookean,
     Scene,
     Schnakenberg,
@@ -29,8 +30,8 @@ from turingfold import (
     varied,
 )
 from turingfold.app import App
-from turingfold.app.knobs import knobs
-from turingfold.app.picture import STRESS, TISSUE
+from turingfold.app.knobs import Settings, knobs
+from turingfold.app.picture import STRESS, TISSUE, extent
 from turingfold.app.window import CASE, RED
 from turingfold.cli import parser
 from turingfold.cli_figure import save_figure
@@ -241,6 +242,13 @@ def test_parts_that_need_each_other_can_be_left_out_together(scene, window):
     assert finish(app).scene.processes == scene.processes[1:]
 
 
+def test_a_process_goes_before_the_one_it_reads(scene):
+    noisy = replace(scene, processes=(*scene.processes, Imperfection(amplitude=0.01)))
+    settings = Settings(noisy)
+    settings.absent = {"TangentialGrowth", "Imperfection"}
+    assert settings.made()[1] == replace(scene, processes=scene.processes[:1])
+
+
 def test_stop_keeps_the_last_state_and_a_new_run_begins_afresh(scene, window):
     app = window(scene)
     app.run()
@@ -383,6 +391,19 @@ def test_the_picture_is_the_deformed_body_beside_the_run_before(scene, window):
         assert len([axes for axes in app.figure.axes if label in axes.get_ylabel()]) == 1
         assert len(app.figure.axes) == count
         app.figure.draw_without_rendering()
+
+
+def test_the_frame_grows_with_the_body(scene):
+    result = simulate(replace(scene, processes=(TangentialGrowth(cortex=1.5, core=1.5, radial_core=1.5),),
+                              terms=(scene.terms[0],)))  # fmt: skip
+    moved = 1e3 * (scene.body.nodes + result.last["displacement"])
+    low, high = extent(result)
+    assert (low < moved.min(axis=1)).all()
+    assert (high > moved.max(axis=1)).all()
+    at_rest = extent(replace(result, states=result.states[:1]))
+    assert (high > at_rest[1]).any()
+    wide = at_rest[0] - 10.0, high + 10.0
+    assert all(map(np.array_equal, extent(result, wide), wide))
 
 
 def test_no_two_words_lie_on_each_other(scene, window):
