@@ -62,7 +62,7 @@ def _window(title: str) -> tuple[Figure, Callable[[], None]]:
         from matplotlib import pyplot
 
         figure = pyplot.figure(num=title)
-    except ImportError as error:  # the window system that was asked for
+    except (ImportError, RuntimeError) as error:  # by the window system that was asked for
         raise ValueError(f"a window cannot be opened ({error}); {remedy}") from error
     if figure.canvas.required_interactive_framework is None:
         pyplot.close(figure)
