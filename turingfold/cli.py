@@ -1,4 +1,4 @@
-"""The command line: turingfold run, sweep, accuracy, list, draw, animate, stability, buckling, compare.
+"""The command line: turingfold run, sweep, accuracy, app, list, draw, animate, stability, buckling, compare.
 
 Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
 Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
@@ -102,6 +102,12 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     accuracy.add_argument("--steps", type=_number, default=1, metavar="N", help="halvings of the steps (1)")
     accuracy.set_defaults(command=_accuracy)
 
+    app = commands.add_parser("app", parents=[common], help="change a case's parameters in a window")
+    app.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes()")
+    app.add_argument("--quick", action="store_true", help="the small version")
+    app.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    app.set_defaults(command=_app)
+
     draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
     draw.set_defaults(command=_draw, variation=None)
 
@@ -164,6 +170,12 @@ def _accuracy(options: argparse.Namespace) -> int:
     from .cli_accuracy import accuracy
 
     return accuracy(options)
+
+
+def _app(options: argparse.Namespace) -> int:
+    from .cli_app import app
+
+    return app(options)
 
 
 def _draw(options: argparse.Namespace) -> int:
