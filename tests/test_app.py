@@ -2,6 +2,7 @@
 
 import argparse
 import shlex
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -508,7 +509,13 @@ def test_the_command_opens_a_window_on_the_case(options, monkeypatch, capsys):
     assert capsys.readouterr().out.splitlines() == [line]
 
 
-def test_without_a_display_the_command_says_what_to_do(options):
+def test_without_a_display_the_command_says_what_to_do(options, monkeypatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(ValueError, match="there is no display; run it on a machine with a display"):
+        cli_app.app(options)
+    monkeypatch.setenv("DISPLAY", ":0")
     with pytest.raises(ValueError, match=r"'[Aa]gg' opens no window; run it on a machine with a display"):
         cli_app.app(options)
 
@@ -528,3 +535,17 @@ def test_unknown_scenes_are_named(options):
     options.only = ["path"]
     with pytest.raises(ValueError, match="it has: 'patch'"):
         cli_app.app(options)
+
+
+def test_a_part_that_is_typed_off_can_be_switched_on(scene, window):
+    app = window(scene)
+    typed(app, "AxonalTension=off")
+    assert not app.panel.switches["AxonalTension"].get_status()[0]
+    assert app.panel.settings.assignments() == (("AxonalTension", "off"),)
+    app.panel.switches["AxonalTension"].set_active(0)
+    assert app.panel.settings.assignments() == ()
+    typed(app, "AxonalTension=perhaps")
+    assert app.message.get_color() == RED
+    assert "'on' or 'off'" in app.message.get_text()
+    typed(app, "AxonalTension=on")
+    assert app.panel.settings.assignments() == ()

@@ -404,3 +404,17 @@ def test_compare_reads_outlines(tmp_path, capsys):
     assert main(["compare", str(tmp_path / "plain.csv"), str(tmp_path / "lobed.csv")]) == 0
     (folds,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("folds")]
     assert folds.split()[1:3] == ["0", "6"]
+
+
+def test_a_case_may_import_a_file_beside_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "my_shapes_for_a_test.py").write_text("RADIUS = 1.0\n")
+    (tmp_path / "own.py").write_text(
+        '"""Own."""\nfrom my_shapes_for_a_test import RADIUS\nfrom turingfold import *\n'
+        "def scenes(quick=False):\n"
+        "    body = semicircle(radius=RADIUS, thickness=0.25, size=0.25)\n"
+        "    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))\n"
+        "    return {'one': Scene(body=body, terms=(solid,), processes=(TangentialGrowth(cortex=1.1),))}\n"
+    )
+    assert main(["list", str(tmp_path / "own.py")]) == 0
+    assert "one" in capsys.readouterr().out

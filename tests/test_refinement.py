@@ -4,7 +4,7 @@ import pytest
 from checks import message_names
 from small import elastic_scene
 
-from turingfold import half, outline, refined, semicircle, semiellipse, simulate
+from turingfold import Body, half, outline, refined, semicircle, semiellipse, simulate
 from turingfold.geometry import mirror_images
 
 ANGLE = np.linspace(0, 2 * np.pi, 80, endpoint=False)
@@ -61,3 +61,12 @@ def test_numbers_of_refinements_that_are_none_are_refused(times):
     with pytest.raises(ValueError, match="times") as refused:
         refined(BODIES["clamped"], times)
     message_names(refused.value, "times", str(times))
+
+
+def test_named_parts_of_the_mesh_are_kept():
+    body = BODIES["clamped"]
+    left = np.flatnonzero(body.mesh.p[0, body.mesh.t].mean(0) < 0)
+    named = Body(body.mesh.with_subdomains({"left": left}), body.thickness, body.base)
+    finer = refined(named)
+    found = np.sort(finer.mesh.subdomains["left"])
+    assert np.array_equal(found, np.flatnonzero(finer.mesh.p[0, finer.mesh.t].mean(0) < 0))

@@ -15,6 +15,7 @@ from turingfold import (
     semicircle,
 )
 from turingfold.mechanics.march import begin, march
+from turingfold.mechanics.minimise import NEAR
 from turingfold.output.files import read_arrays, write_arrays
 from turingfold.output.folder import Checkpoint, _arrays, _checkpoint
 
@@ -23,7 +24,6 @@ MIXED = Elastic(gray=NeoHookean.from_young(1.0, 0.4), element="mixed")
 WALLS = SelfContact()
 MIDPOINT = (Inertia(density=0.05, scheme="midpoint"), Drag(coefficient=0.5, scheme="midpoint"))
 SCENES = {
-    "elastic": (SOLID,),
     "contact": (SOLID, WALLS),
     "drag": (SOLID, WALLS, Drag(coefficient=0.5)),
     "damping": (SOLID, StiffnessDamping(elastic=SOLID, time=0.05)),
@@ -56,3 +56,27 @@ def test_a_restart_repeats_every_bit(name, solver, tmp_path):
         assert numbers(again) == pytest.approx(numbers(expected), rel=0, abs=0, nan_ok=True)
         for field, values in expected.state.fields.items():
             assert np.array_equal(again.state[field], values), field
+
+
+def test_a_restart_before_a_tangent_made_at_the_guess_repeats_every_bit(tmp_path):
+    body = semicircle(radius=1.0, thickness=0.25, size=0.2)
+    steps = Stepping(first=1 / 60, largest=1 / 60)
+    scene = Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(cortex=1.6),), stepping=steps)
+    path = list(march(scene, begin(scene)))
+    good = [k for k, (_, progress) in enumerate(path[:-1]) if progress.memory.missed < NEAR]
+    assert len(good) > 20
+    for k in good[::5]:
+        again, _ = next(march(scene, stored(path[k][1], tmp_path / "checkpoint.npz")))
+        expected = path[k + 1][0]
+        assert numbers(again) == pytest.approx(numbers(expected), rel=0, abs=0, nan_ok=True)
+        assert np.array_equal(again.state["displacement"], expected.state["displacement"])
+
+
+def test_a_checkpoint_without_word_of_the_last_guess_is_gone_on_with(tmp_path):
+    body = semicircle(radius=1.0, thickness=0.25, size=0.2)
+    scene = Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(cortex=1.2),))
+    *_, (_, progress) = march(scene, begin(scene))
+    arrays = _arrays(Checkpoint(progress, 1, 0.0, {}))
+    del arrays["memory.missed"]
+    write_arrays(tmp_path / "checkpoint.npz", arrays)
+    assert _checkpoint(read_arrays(tmp_path / "checkpoint.npz")).progress.memory.missed == np.inf

@@ -1,5 +1,6 @@
 """Running scenes: what comes back, and what a failure leaves."""
 
+import re
 import warnings
 from dataclasses import dataclass, replace
 
@@ -71,6 +72,10 @@ def test_history_has_a_row_per_step(grown):
     # linear history: g - 1 is proportional to time
     for row in grown.history:
         assert row["growth"] == pytest.approx(1 + (GROWTH - 1) * row["time"], rel=1e-12)
+
+
+def test_a_result_is_shown_in_a_line(grown):
+    assert re.fullmatch(r"Result\(reached the end at t = 1, growth 1\.3, \d+ steps\)", repr(grown))
 
 
 @pytest.mark.parametrize("asked", ["pial", "pattern", "observe"])

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arrays import Array
+from .body import Body
 from .checks import instance, whole
 from .drawing import sulci
 from .refinement import refined
 from .results import Result
-from .scene import Scene
+from .scene import Scene, stress_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,21 +23,21 @@ if TYPE_CHECKING:
 AS_IT_IS = "as it is"
 NAMES = {"mesh": "mesh x{}", "steps": "steps x{}"}
 MEASURES = {
-    "energy": "energy, relative",
-    "gyrification": "gyrification index",
+    "energy_error": "energy, relative",
+    "gyrification_error": "gyrification index",
     "distance": "largest distance / T",
 }
-TINY = float(np.finfo(float).tiny)
-NONE = 1e-16  # drawn in place of no difference
+NOTHING = 1e-12  # of stress times area: less energy than that is none
 
 
 @dataclass(frozen=True)
-class Trial:
+class Difference:
     """One run of a series beside the finest one.
 
     finer: how many times as fine it is as the scene as it is.  seconds: without writing.
-    energy: difference, relative.  gyrification: difference of the indices.  distance: the largest between
-    places of the same point of the pial surface, in thicknesses of the cortex; all 0 for the finest.
+    energy: J/m.  gyrification: index.  energy_error: difference to the finest, relative.  gyrification_error:
+    of the indices.  distance: the largest between places of the same point of the pial surface, in
+    thicknesses of the cortex; all three 0 for the finest.
     """
 
     finer: int
@@ -46,6 +48,8 @@ class Trial:
     folds: int
     energy: float
     gyrification: float
+    energy_error: float
+    gyrification_error: float
     distance: float
 
 
@@ -68,11 +72,18 @@ def trials(scene: Scene, *, meshes: int = 1, steps: int = 1) -> dict[str, Scene]
     return found
 
 
-def compared(results: Mapping[str, Result]) -> dict[str, list[Trial]]:
+def compared(results: Mapping[str, Result]) -> dict[str, list[Difference]]:
     """Return the series "mesh" and "steps", each from the scene as it is to its finest.
 
-    results: by the names that `trials` gives; those of one scene.
+    results: by the names that `trials` gives; those of one scene. Raises ValueError without the scene as it
+    is, and for one that did not reach its end.
     """
+    if AS_IT_IS not in results:
+        raise ValueError(f"results has {list(results)}; one of them must be {AS_IT_IS!r}, see trials.")
+    for name, result in results.items():
+        if not result.converged:
+            reached = f"{name!r} stopped at t = {result.last.time:.3g}"
+            raise ValueError(f"{reached}; only runs that reach their end can be compared.")
     found = {}
     for kind, name in NAMES.items():
         finer = {1: results[AS_IT_IS]}
@@ -80,37 +91,57 @@ def compared(results: Mapping[str, Result]) -> dict[str, list[Trial]]:
             finer[2 * max(finer)] = results[again]
         if len(finer) > 1:
             finest = list(finer.values())[-1]
-            found[kind] = [_trial(n, result, finest) for n, result in finer.items()]
+            found[kind] = [_difference(n, result, finest) for n, result in finer.items()]
     return found
 
 
-def _trial(finer: int, result: Result, finest: Result) -> Trial:
+def _difference(finer: int, result: Result, finest: Result) -> Difference:
     summary, last = result.summary(), finest.summary()
     body = result.scene.body
     # a finer mesh has the nodes of the coarser one under the same numbers
-    mine, theirs = (np.asarray(of.last["displacement"])[:, body.pial] for of in (result, finest))
-    return Trial(
+    places = (body.nodes[:, body.pial] + of.last["displacement"][:, body.pial] for of in (result, finest))
+    # stress times area, so that no energy at all is no large error of it
+    unit = stress_scale(result.scene.terms) * float(body.quadrature.weights.sum())
+    return Difference(
         finer=finer,
         elements=body.elements_through_cortex,
         dofs=summary["dofs"],
         steps=summary["steps"],
         seconds=summary["seconds"] - summary["seconds_by_part"].get("writing", 0.0),
         folds=summary["folds"],
-        energy=abs(summary["energy"] - last["energy"]) / max(abs(last["energy"]), TINY),
-        gyrification=abs(summary["gyrification_index"] - last["gyrification_index"]),
-        distance=float(np.hypot(*(mine - theirs)).max() / body.thickness),
+        energy=summary["energy"],
+        gyrification=summary["gyrification_index"],
+        energy_error=abs(summary["energy"] - last["energy"]) / max(abs(last["energy"]), NOTHING * unit),
+        gyrification_error=abs(summary["gyrification_index"] - last["gyrification_index"]),
+        distance=float(_apart(body, *places).max() / body.thickness),
     )
 
 
-def told(series: Mapping[str, Sequence[Trial]]) -> Iterator[str]:
-    """Yield the trials as lines of a table, with a word of warning where the number of sulci differs."""
+def _apart(body: Body, one: Array, other: Array) -> Array:
+    """Return the distances between two sets of places, (2, n).
+
+    A motion that nothing but the choice of a held node prevents is none: on another mesh it is another node.
+    """
+    apart, held = one - other, np.setdiff1d(body.fixed, body.supported)
+    if len(held) == 1:
+        axis = held[0] % 2
+        apart[axis] -= apart[axis].mean()
+    elif len(held):
+        z, w = (np.array([1, 1j]) @ (at - at.mean(axis=1, keepdims=True)) for at in (one, other))
+        turn = np.vdot(w, z)
+        return np.asarray(np.abs(z - w * turn / abs(turn)))
+    return np.asarray(np.hypot(*apart))
+
+
+def told(series: Mapping[str, Sequence[Difference]]) -> Iterator[str]:
+    """Yield the series as tables, with a word of warning where the number of sulci differs."""
     for kind, rows in series.items():
         yield (
             f"{kind:>5}  elements through the cortex  unknowns  steps  seconds  sulci"
             "   energy  gyrification  distance / T"
         )
         for row in rows:
-            numbers = [f"{value:.1e}" for value in (row.energy, row.gyrification, row.distance)]
+            numbers = [f"{value:.1e}" for value in (row.energy_error, row.gyrification_error, row.distance)]
             shown = numbers if row is not rows[-1] else ["compared", "with", "this"]
             yield (
                 f"{f'x{row.finer}':>5}  {row.elements:27.1f}  {row.dofs:8d}  {row.steps:5d}  "
@@ -121,29 +152,35 @@ def told(series: Mapping[str, Sequence[Trial]]) -> Iterator[str]:
                 "       the number of sulci differs: these runs end in different equilibria, and what tells "
                 "them apart is no small error; see Drag, or a smaller growth."
             )
+    yield (
+        "differences to the finest run, which errs too: of energy (relative), of the gyrification index, and "
+        "the largest distance of a point of the pial surface, in cortical thicknesses T"
+    )
 
 
-def draw(figure: Figure, series: Mapping[str, Mapping[str, Sequence[Trial]]]) -> None:
+def draw(figure: Figure, series: Mapping[str, Mapping[str, Sequence[Difference]]]) -> None:
     """Draw differences against run time: a row for each scene, a panel for mesh and steps."""
     rows, columns = len(series), max(len(kinds) for kinds in series.values())
     figure.set_size_inches(5.5 * columns, 4.2 * rows)
     panels = figure.subplots(rows, columns, squeeze=False)
     for line, (name, kinds) in zip(panels, series.items(), strict=True):
-        for axes, (kind, trials_) in zip(line, kinds.items(), strict=False):
-            _panel(axes, kind, trials_)
-            axes.set_title(f"{name}\n{axes.get_title()}", fontsize=9)
+        line[0].set_title(name, loc="left", fontsize=10, fontweight="bold", pad=24)
+        for axes, (kind, runs) in zip(line, kinds.items(), strict=False):
+            _panel(axes, kind, runs)
 
 
-def _panel(axes: Axes, kind: str, rows: Sequence[Trial]) -> None:
+def _panel(axes: Axes, kind: str, rows: Sequence[Difference]) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter
 
     *coarser, finest = rows
     times, highest = [row.seconds for row in coarser], np.zeros(len(coarser))
     for (measure, label), marker in zip(MEASURES.items(), "os^", strict=True):
-        values = np.maximum([getattr(row, measure) for row in coarser], NONE)
-        axes.loglog(times, values, marker + "-", label=label)
+        values = np.array([getattr(row, measure) for row in coarser])
+        axes.loglog(times, np.where(values > 0, values, np.nan), marker + "-", label=label)
         highest = np.maximum(highest, values)
     for row, top in zip(coarser, highest, strict=True):
+        if top == 0:  # no difference has no place on this axis
+            continue
         axes.annotate(
             _size(kind, row), (row.seconds, top), xytext=(0, 6), textcoords="offset points", fontsize=8,
             ha="center",
@@ -161,5 +198,5 @@ def _panel(axes: Axes, kind: str, rows: Sequence[Trial]) -> None:
     axes.legend(fontsize=8)
 
 
-def _size(kind: str, row: Trial) -> str:
-    return f"{row.elements:.3g} elements" if kind == "mesh" else f"{row.steps} steps"
+def _size(kind: str, row: Difference) -> str:
+    return f"{row.elements:.3g} element(s)" if kind == "mesh" else f"{row.steps} step(s)"

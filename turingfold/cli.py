@@ -27,6 +27,14 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXP
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what the command line asks for and return the exit status."""
     options = parser().parse_args(arguments)
+    try:
+        return _done(options)
+    except KeyboardInterrupt:
+        return _failed(options, _interrupted(options), INTERRUPTED)
+
+
+def _done(options: argparse.Namespace) -> int:
+    """Do it, in one thread if not asked otherwise, and say in words what fails."""
     for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
         os.environ[name] = str(options.threads)
     logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
@@ -38,8 +46,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.showwarning = _note
         try:
             return int(options.command(options))
-        except KeyboardInterrupt:
-            return _failed(options, _interrupted(options), INTERRUPTED)
         except SolveError as error:
             return _failed(options, str(error), STOPPED)
         except OSError as error:
@@ -242,7 +248,7 @@ def _at_least_one(text: str) -> int:
 
 def _number(text: str) -> int:
     if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number")
+        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 0")
     return int(text)
 
 
@@ -261,7 +267,7 @@ def _figure(text: str) -> Path:
 
 
 def _interrupted(options: argparse.Namespace) -> str:
-    if not hasattr(options, "resume"):
+    if not (hasattr(options, "resume") and hasattr(options, "variation")):  # or before it began
         return "stopped."
     jobs = ["--jobs", str(options.jobs)] if options.jobs > 1 else []
     again = run_command(options, options.only or [], *jobs, "--resume")

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from .accuracy import Trial, compared, draw, told, trials
+from .accuracy import Difference, compared, draw, told, trials
 from .cli_case import folder_name, load_case
-from .cli_run import results_of, run
-from .output.files import write_whole
+from .cli_run import results_of, run, write_table
 from .results import Result, load
 from .scene import Scene
 
@@ -45,8 +42,8 @@ class Accuracy:
         draw(figure, of_scenes(results))
 
 
-def of_scenes(results: Mapping[str, Result]) -> dict[str, dict[str, list[Trial]]]:
-    """Return the trials of each scene, from results by the names that `Accuracy.scenes` gives."""
+def of_scenes(results: Mapping[str, Result]) -> dict[str, dict[str, list[Difference]]]:
+    """Return the differences by scene, from results by the names that `Accuracy.scenes` gives."""
     found: dict[str, dict[str, Result]] = {}
     for name, result in results.items():
         scene, _, own = name.rpartition(", ")
@@ -58,21 +55,19 @@ def accuracy(options: argparse.Namespace) -> int:
     """Run the trials of a case's scenes, say how much they differ, and write that as table and figure."""
     options.variation = Accuracy(options.meshes, options.steps)
     status = run(options)
-    if status:
-        return status
     case = load_case(options.case, options.variation)
     base = results_of(case, options)
+    if status:  # table and figure of an earlier run would be of other results
+        for stale in (base / TABLE, base / f"{case.name}.png"):
+            stale.unlink(missing_ok=True)
+        return status
     names = case.scenes(quick=options.quick, only=options.only or ())
     scenes = of_scenes({name: load(base / folder_name(name), known=case.known) for name in names})
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(("scene", "series", *(field.name for field in fields(Trial))))
+    rows = []
     for scene, series in scenes.items():
         print(f"{scene}:")
         for line in told(series):
             print(line)
-        for kind, rows in series.items():
-            table.writerows((scene, kind, *asdict(row).values()) for row in rows)
-    write_whole(base / TABLE, text.getvalue().encode())
-    print(f"table: {base / TABLE}")
+        rows += [(scene, kind, *asdict(row).values()) for kind, runs in series.items() for row in runs]
+    write_table(base / TABLE, ("scene", "series", *(field.name for field in fields(Difference))), rows)
     return status

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -28,11 +30,11 @@ def app(options: argparse.Namespace) -> int:
     """
     case = load_case(options.case)
     scenes = case.scenes(quick=options.quick, only=options.only or ())
+    figure, show = _window(f"turingfold {case.name}")
     if words := coarseness(min(scene.body.elements_through_cortex for scene in scenes.values())):
         warnings.warn(words, CoarseMeshWarning, stacklevel=2)
     place = {"case": options.case, "quick": options.quick, "out": None}
     base = results_of(case, argparse.Namespace(**place))
-    figure, show = _window(f"turingfold {case.name}")
 
     def save(name: str, draw: Callable[[Figure], object]) -> Path:
         path = base.with_name(f"{base.name}-app") / f"{folder_name(name)}.png"
@@ -66,5 +68,7 @@ def _window(title: str) -> tuple[Figure, Callable[[], None]]:
         raise ValueError(f"a window cannot be opened ({error}); {remedy}") from error
     if figure.canvas.required_interactive_framework is None:
         pyplot.close(figure)
-        raise ValueError(f"matplotlib's backend {get_backend()!r} opens no window; {remedy}")
+        nowhere = sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
+        backend = f"matplotlib's backend {get_backend()!r} opens no window"
+        raise ValueError(f"{'there is no display' if nowhere else backend}; {remedy}")
     return figure, pyplot.show

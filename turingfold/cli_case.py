@@ -120,6 +120,9 @@ def load_case(path: Path, variation: Variation | None = None) -> Case:
         raise ValueError(f"{path} is no Python file; {EXPECTED}.")
     module = module_from_spec(spec)
     sys.modules[name] = module
+    beside = str(path.resolve().parent)
+    if beside not in sys.path:  # as for a script, though last: a case may have the name of a library
+        sys.path.append(beside)
     with explained(path):
         spec.loader.exec_module(module)
     if not callable(getattr(module, "scenes", None)):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 import logging
 import signal
 import sys
@@ -22,6 +24,7 @@ from .cli_status import STOPPED, complain, run_command
 from .drawing import sulci
 from .output.codec import Arrays
 from .output.document import rebuilt, stored
+from .output.files import write_whole
 from .output.folder import check_folder
 from .output.history import read_history
 from .results import Result, Row, length_unit, load
@@ -100,6 +103,16 @@ def results_of(case: Case, options: argparse.Namespace) -> Path:
     """Return the folder of a case's results: DIR/<case>, by default in results or results/quick."""
     out: Path = options.out or (Path("results/quick") if options.quick else Path("results"))
     return out / case.name
+
+
+def write_table(path: Path, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a table as CSV, at once, and say where; None is written as nothing."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    table.writerows(rows)
+    write_whole(path, text.getvalue().encode())
+    print(f"table: {path}")
 
 
 def draw(case: Case, options: argparse.Namespace) -> Path:

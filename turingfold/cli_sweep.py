@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 from dataclasses import dataclass
 from typing import Any
 
 from .cli_case import folder_name, load_case
-from .cli_run import results_of, run
-from .output.files import write_whole
+from .cli_run import results_of, run, write_table
 from .results import Result, load
 from .scene import Scene
 from .sweep import read_values, varied
@@ -65,14 +62,11 @@ def sweep(options: argparse.Namespace) -> int:
     status = run(options)
     case = load_case(options.case, options.variation)
     base = results_of(case, options)
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(("scene", *NUMBERS))
+    rows = []
     for name in case.scenes(quick=options.quick, only=options.only or ()):
         folder = base / folder_name(name)
         if (folder / "states").is_dir():
             summary = load(folder, known=case.known).summary()
-            table.writerow((name, *(summary[number] for number in NUMBERS)))  # None is written as nothing
-    write_whole(base / TABLE, text.getvalue().encode())
-    print(f"table: {base / TABLE}")
+            rows.append((name, *(summary[number] for number in NUMBERS)))
+    write_table(base / TABLE, ("scene", *NUMBERS), rows)
     return status

@@ -32,6 +32,14 @@ def copies(body: Body, points: Array) -> Iterator[Array]:
         yield points * np.array([[-1.0], [1.0]])
 
 
+def around(along: Array) -> Array:
+    """Return points or vectors (2, n) at a curve's nodes, with the first again at the end if it is closed.
+
+    It is closed if n is even: there are as many edge middles as vertices then.
+    """
+    return along if along.shape[1] % 2 else np.concatenate([along, along[:, :1]], axis=1)
+
+
 def shaded(
     axes: Axes, points: Array, body: Body, layer: Booleans, values: Array, colors: ScalarMappable
 ) -> None:
@@ -67,11 +75,15 @@ def colour_limits(values: Array, weights: Array, *, centred: bool) -> tuple[floa
 def per_length(points: Array, forces: Array, count: int) -> tuple[Array, Array]:
     """Return middles (2, m) of about `count` stretches of a path and the force per length on each, (2, m).
 
-    Half the force on a corner belongs to either edge; that on the two ends of the path to none.
+    points, forces: at the path's nodes, (2, n); n is even if it is closed, see `around`.
+    Half the force on a corner belongs to either edge; that on the two ends of an open path to none.
     """
+    closed = points.shape[1] % 2 == 0
+    points, forces = around(points), around(forces)
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points)))])[::2]
     corners = forces[:, ::2].copy()
-    corners[:, [0, -1]] = 0.0
+    if not closed:
+        corners[:, [0, -1]] = 0.0
     on_edges = forces[:, 1::2] + 0.5 * (corners[:, :-1] + corners[:, 1:])
     cut = np.arange(0, on_edges.shape[1], max(1, round(on_edges.shape[1] / count)))
     lengths = np.add.reduceat(np.diff(arc), cut)
@@ -98,7 +110,7 @@ def core(axes: Axes, points: Array, body: Body) -> None:
 
 def edge(axes: Axes, points: Array, body: Body) -> None:
     """Draw the pial surface and the base."""
-    axes.plot(*(MM * points[:, body.pial]), color=INK, linewidth=0.8)
+    axes.plot(*(MM * around(points[:, body.pial])), color=INK, linewidth=0.8)
     closing = _closing(body)
     if closing.size and not body.mirror:
         axes.plot(*(MM * points[:, closing]), color=INK, linewidth=0.8)

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arrays import Array
 from .body import Body
 from .checks import one_of
 from .drawing import (
     INK,
     MM,
+    around,
     at_nodes,
     colour_limits,
     copies,
@@ -32,7 +34,7 @@ from .drawing import (
     sulci,
 )
 from .mechanics.factor import largest_growth
-from .results import Result, along_pial, length_unit, stress_unit
+from .results import Result, along_pial, length_unit, pial_closed, stress_unit
 from .scene import Scene, State, Term
 
 if TYPE_CHECKING:
@@ -67,7 +69,7 @@ def section(
         for layer in (body.in_cortex, ~body.in_cortex):
             if layer.any():
                 shaded(axes, points, body, layer, at_nodes(body, values, layer), colors)
-        axes.plot(*(MM * points[:, body.interface]), color="white", linewidth=0.6, alpha=0.8)
+        axes.plot(*(MM * around(points[:, body.interface])), color="white", linewidth=0.6, alpha=0.8)
         edge(axes, points, body)
     frame(axes)
     scale_bar(axes, body)
@@ -87,7 +89,7 @@ def outline(axes: Axes, body: Body, *, color: str = "white", label: str = "befor
     """Draw the undeformed outline, dashed; it shows on light and on dark."""
     from matplotlib.patheffects import withStroke
 
-    points = MM * along_pial(body, body.nodes[:, body.pial])
+    points = MM * around(along_pial(body, body.nodes[:, body.pial]))
     halo = [withStroke(linewidth=2.4, foreground=INK)]
     axes.plot(*points, color=color, linewidth=1.2, linestyle=(0, (4, 3)), label=label, path_effects=halo)
 
@@ -114,8 +116,9 @@ def peaks(axes: Axes, result: Result, step: int = -1) -> None:
     pattern = result.pattern(step)
     if pattern is None:
         return
-    around = np.concatenate([[-np.inf], pattern, [-np.inf]])
-    top = np.flatnonzero((pattern >= around[:-2]) & (pattern > around[2:]) & (pattern > 0.5))
+    before, after = (pattern[-1], pattern[0]) if pial_closed(result.scene.body) else (-np.inf, -np.inf)
+    beside = np.concatenate([[before], pattern, [after]])
+    top = np.flatnonzero((pattern >= beside[:-2]) & (pattern > beside[2:]) & (pattern > 0.5))
     x, y = MM * result.pial(step)[:, top]
     axes.plot(x, y, "o", color=VERMILION, markeredgecolor="white", markersize=5, label="activator peaks")
 
@@ -128,13 +131,11 @@ def load_arrows(
     The load is a force per area of the curve it acts on, in N/m² or in units of the moduli; forces at the
     curve's ends are left out.
     share: of the body's width that is shown, around the apex.
+    Raises ValueError for a term without load.
     """
-    body = scene.body
-    potential = term.on(body).during(State(scene.until, state.fields), scene.until)
-    at = potential.evaluate(np.zeros(body.nodes.size)) if potential is not None else None
-    if at is None:
+    body, forces = scene.body, _load(scene, state, term)
+    if forces is None:
         raise ValueError(f"{type(term).__name__} has no load to draw at the end of the scene.")
-    forces = -at.gradient()[0].reshape(-1, 2).T
     path = max(body.interface, body.pial, key=lambda nodes: float(np.abs(forces[:, nodes]).sum()))
     start, load = per_length(body.nodes[:, path], forces[:, path], count)
     width, top = np.ptp(body.nodes[0]) * (2 if body.mirror else 1), body.nodes[1].max()
@@ -142,7 +143,7 @@ def load_arrows(
     for points, origin, arrow in zip(*(copies(body, v) for v in (body.nodes, start, load)), strict=True):
         core(axes, points, body)
         edge(axes, points, body)
-        axes.plot(*(MM * points[:, body.interface]), color="#999999", linewidth=0.8)
+        axes.plot(*(MM * around(points[:, body.interface])), color="#999999", linewidth=0.8)
         axes.quiver(
             *(MM * origin), *(MM * length * arrow), angles="xy", scale_units="xy", scale=1, pivot="mid",
             color=VERMILION, width=0.006, headwidth=4, headlength=4, headaxislength=3.5, zorder=3,
@@ -168,7 +169,7 @@ def pial_history(axes: Axes, result: Result, *, count: int = 8, bar: bool = True
     factors = [largest_growth(result.states[k]) for k in chosen]
     colors = ScalarMappable(Normalize(min(factors), max(*factors, min(factors) + 1e-9)), "viridis_r")
     for k, factor in zip(chosen, factors, strict=True):
-        axes.plot(*(MM * result.pial(k)), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
+        axes.plot(*(MM * around(result.pial(k))), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
     frame(axes)
     if bar:
         _bar_inside(axes, colors, "tangential growth", [min(factors), max(factors)])
@@ -207,24 +208,19 @@ def scale_bar(axes: Axes, body: Body) -> None:
     )
 
 
-def folding(figure: Figure, result: Result, *, term: Term) -> None:
-    """Draw the whole story of a scene with a pattern: activator, load of `term`, outlines, folded section."""
-    figure.set_size_inches(13, 6)
-    grid = figure.add_gridspec(3, 2, width_ratios=(1, 2))
-    small, main = [figure.add_subplot(grid[k, 0]) for k in range(3)], figure.add_subplot(grid[:, 1])
-    activator(small[0], result)
-    load_arrows(small[1], result.scene, result.last, term, share=0.45)
-    pial_history(small[2], result)
-    section(main, result)
-    outline(main, result.scene.body)
-    peaks(main, result)
-    main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, 0.0))
-    small[0].sharex(small[2])
-    titles = ("activator on the cortical band", "load of the tension, enlarged", "pial surface over time")
-    for letter, title, axes in zip("abcd", [*titles, measures(result)], [*small, main], strict=True):
-        axes.set_title(f"$\\bf{{{letter}}}$   {title}", loc="left", fontsize=11)
+def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None:
+    """Draw the whole story of a scene: activator, load of `term`, outlines, folded section.
 
-
+    The panels of the activator and of the load are left out where there is none.
+    """
+    patterned = "pattern" in result.last
+    loaded = term is not None and _load(result.scene, result.last, term) is not None
+    titles = ["pial surface over time", measures(result)]
+    if loaded:
+        titles.insert(0, "load of the tension, enlarged")
+    if patterned:
+        titles.insert(0, "activator on the cortical band")
+    XX
 def measures(result: Result) -> str:
     """Return growth, sulci, gyrification index and registration as one line."""
     s = result.summary()
@@ -233,6 +229,18 @@ def measures(result: Result) -> str:
     if s["registration"] is not None:
         words.append(f"registration {s['registration']:+.2f}")
     return ", ".join(words)
+
+
+def _load(scene: Scene, state: State, term: Term) -> Array | None:
+    """Return the forces of a term on the undeformed body at the end of the scene, (2, n), if there are any."""
+    if not all(name in state for name in term.reads):
+        return None
+    potential = term.on(scene.body).during(State(scene.until, state.fields), scene.until)
+    at = potential.evaluate(np.zeros(scene.body.nodes.size)) if potential is not None else None
+    if at is None:
+        return None
+    forces = -at.gradient()[0].reshape(-1, 2).T
+    return forces if forces.any() else None
 
 
 def _unit(scene: Scene, field: str) -> tuple[float, str]:

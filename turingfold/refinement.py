@@ -38,9 +38,14 @@ def _split(body: Body) -> Body:
             halfway = CORNERS_AND_MIDDLES[:, child[list(edge)]].mean(axis=1)
             shapes = np.array([ElementTriP2().lbasis(halfway, i)[0] for i in range(6)])
             points[:, mesh.nvertices + facets] = np.tensordot(nodes[:, old], shapes, (1, 0))
-    gray = np.flatnonzero(np.tile(body.in_cortex, len(CHILDREN)))
+    kinds = {**(body.mesh.subdomains or {}), "cortex": np.flatnonzero(body.in_cortex)}
+    first = body.mesh.nelements * np.arange(len(CHILDREN))[:, None]
     finer = MeshTri2(
-        points, mesh.t, _boundaries=_boundaries(body, mesh), _subdomains={"cortex": gray}, validate=False
+        points,
+        mesh.t,
+        _boundaries=_boundaries(body, mesh),
+        _subdomains={name: (first + elements).ravel() for name, elements in kinds.items()},
+        validate=False,
     )
     return Body(finer, body.thickness, body.base)
 

@@ -27,7 +27,7 @@ BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in unit
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """What a scene became.
 
@@ -42,6 +42,11 @@ class Result:
     converged: bool
     seconds: float = NAN
     seconds_by_part: Mapping[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """Return it in a line; the arrays would fill pages."""
+        growth, end = largest_growth(self.last), "reached the end" if self.converged else "stopped early"
+        return f"Result({end} at t = {self.last.time:.4g}, growth {growth:.3g}, {len(self.history)} steps)"
 
     @property
     def last(self) -> State:

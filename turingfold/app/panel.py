@@ -123,6 +123,9 @@ class Panel:
         own = dict(self.settings.values)
         try:
             parameter, value = self.settings.read(text)
+            if parameter in self.switches:
+                self._turn(parameter, value)
+                return
             self.settings.values[parameter] = value
             self.settings.made()
         except ValueError as error:
@@ -130,10 +133,23 @@ class Panel:
             self._heed(str(error))
             return
         self._set(parameter, value)
+        self._clear()
+        self._heed("")
+
+    def _turn(self, name: str, word: str) -> None:
+        """Put a switch where a word says; raises ValueError for other words than on and off."""
+        if word not in ("on", "off"):
+            raise ValueError(f"{name}={word}: a part is 'on' or 'off'.")
+        self._clear()
+        if self.switches[name].get_status()[0] != (word == "on"):
+            self.switches[name].set_active(0)
+        self._heed("")
+
+    def _clear(self) -> None:
+        """Empty the line."""
         self.entry.text_disp.set_text("")  # not set_val, which would be another submission
         self.entry.cursor_index = 0
         self._hint.set_visible(True)
-        self._heed("")
 
     def widgets(self) -> list[AxesWidget]:
         """Return everything that listens to the mouse."""

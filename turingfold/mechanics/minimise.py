@@ -42,7 +42,7 @@ class Equilibrium:
     """An equilibrium: displacement (2 n_nodes,), energy, relative residual, and the tangent's pivots.
 
     negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum. Where no
-    walls touch, it may be that of a place on the last three thousandths of the way from the last such place.
+    walls touch, it may be that of a place NEAR it: in strain, three thousandths of the way from the last one.
     """
 
     x: Array
@@ -117,7 +117,7 @@ class Minimiser:
         return Memory(self.gatherer.places, self._level, point, self._missed)
 
     def forget(self) -> None:
-        """Start the next minimisation without the tangent of the last one, and without trust in its guess."""
+        """Let the next minimisation begin without the tangent of the last one, and make none at its guess."""
         self._tangent, self._missed = None, float("inf")
 
     def remember(self, potentials: Sequence[Potential], point: Array) -> None:
@@ -126,16 +126,15 @@ class Minimiser:
         self._tangent = None if at is None else self._factorized(at, point, 0.0)
 
     def minimise(self, potentials: Sequence[Potential], x: Array, guess: Array | None = None) -> Equilibrium:
-        """Return the equilibrium reached from x, or from a guess of lower energy or after a good one.
+        """Return the equilibrium reached from x, or from the guess if its energy is lower.
 
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
-        trusted = self._missed < NEAR
-        x, at = _beginning(potentials, x, guess, trusted)
+        x, at = _lowest(potentials, x, guess)
         tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
         origin, before = None if tangent is None else tangent.point, float("inf")
-        if trusted and x is guess:
-            tangent = None  # one made at so good a guess will speak for the equilibrium
+        if x is guess and self._missed < NEAR:
+            tangent = None  # one made at a guess as good as the last will speak for the equilibrium
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             slope, residual = self._slope(at)
@@ -266,15 +265,14 @@ class Minimiser:
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
 
 
-def _beginning(
-    potentials: Sequence[Potential], x: Array, guess: Array | None, trusted: bool
+def _lowest(
+    potentials: Sequence[Potential], x: Array, guess: Array | None
 ) -> tuple[Array, list[Evaluation]]:
-    """Return the place to begin at, with its evaluations: of lower energy, or the guess if it is trusted."""
-    at = None if trusted and guess is not None else evaluations(potentials, x)
+    """Return the place of lower energy and its evaluations."""
+    at = evaluations(potentials, x)
     there = None if guess is None else evaluations(potentials, guess)
     if guess is not None and there is not None and (at is None or total_energy(there) <= total_energy(at)):
         return guess, there
-    at = evaluations(potentials, x) if at is None else at
     if at is None:
         raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
     return x, at

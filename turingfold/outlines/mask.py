@@ -38,6 +38,11 @@ def mask_outline(
     across = SECTIONS[section]
     voxels = np.moveaxis(voxels, across, 0)
     known = f"the image has {section} sections 0 to {len(voxels) - 1}"
+    if index is None and not (voxels > level).any():
+        raise ValueError(
+            f"level={level:g}: no voxel is above it, {file} has values from {np.nanmin(voxels):g} to "
+            f"{np.nanmax(voxels):g}; choose a level between."
+        )
     if index is None:
         index = int(np.argmax((voxels > level).sum((1, 2))))
     if whole("index", index, at_least=0, remedy=known) >= len(voxels):

@@ -256,7 +256,7 @@ def _checkpoint(arrays: Arrays) -> Checkpoint:
     fields = {name.removeprefix("field."): arrays[name] for name in own}
     memory = None
     if "memory.places" in arrays:
-        level, missed = int(arrays["memory.level"]), float(arrays["memory.missed"])
+        level, missed = int(arrays["memory.level"]), float(arrays.get("memory.missed", np.inf))
         memory = Memory(arrays["memory.places"], level, arrays.get("memory.point"), missed)
     past: tuple[Past, ...] = ()
     if "past.times" in arrays:
