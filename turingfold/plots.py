@@ -8,7 +8,8 @@ The colours can be told apart by the colour-blind: viridis for quantities, Okabe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -213,14 +214,30 @@ def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None
 
     The panels of the activator and of the load are left out where there is none.
     """
-    patterned = "pattern" in result.last
-    loaded = term is not None and _load(result.scene, result.last, term) is not None
-    titles = ["pial surface over time", measures(result)]
-    if loaded:
-        titles.insert(0, "load of the tension, enlarged")
-    if patterned:
-        titles.insert(0, "activator on the cortical band")
-    XX
+    scene, state = result.scene, result.last
+    story: dict[str, Callable[[Axes], None]] = {}
+    if "pattern" in state:
+        story["activator on the cortical band"] = lambda axes: activator(axes, result)
+    if term is not None and _load(scene, state, term) is not None:
+        story["load of the tension, enlarged"] = partial(
+            load_arrows, scene=scene, state=state, term=term, share=0.45
+        )
+    story["pial surface over time"] = lambda axes: pial_history(axes, result)
+    figure.set_size_inches(13, 6)
+    grid = figure.add_gridspec(len(story), 2, width_ratios=(1, 2))
+    small, main = [figure.add_subplot(grid[k, 0]) for k in range(len(story))], figure.add_subplot(grid[:, 1])
+    for axes, draw in zip(small, story.values(), strict=True):
+        draw(axes)
+    section(main, result)
+    outline(main, scene.body)
+    peaks(main, result)
+    main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, 0.0))
+    if "pattern" in state:
+        small[0].sharex(small[-1])
+    for letter, title, axes in zip("abcd", [*story, measures(result)], [*small, main], strict=False):
+        axes.set_title(f"$\\bf{{{letter}}}$   {title}", loc="left", fontsize=11)
+
+
 def measures(result: Result) -> str:
     """Return growth, sulci, gyrification index and registration as one line."""
     s = result.summary()
@@ -232,7 +249,7 @@ def measures(result: Result) -> str:
 
 
 def _load(scene: Scene, state: State, term: Term) -> Array | None:
-    """Return the forces of a term on the undeformed body at the end of the scene, (2, n), if there are any."""
+    """Return the forces of a term on the undeformed body at the end of the scene, (2, n), if any."""
     if not all(name in state for name in term.reads):
         return None
     potential = term.on(scene.body).during(State(scene.until, state.fields), scene.until)
