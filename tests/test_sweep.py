@@ -142,6 +142,8 @@ def test_a_sweep_makes_results_a_table_and_a_figure(case, capsys):
         rows = list(csv.DictReader(table))
     assert [row["scene"] for row in rows] == ["cortex=1.1", "cortex=1.2", "cortex=1.3"]
     assert [float(row["growth"]) for row in rows] == pytest.approx([1.1, 1.2, 1.3], rel=0.01)
+    given = [float(row["TangentialGrowth.cortex"]) for row in rows]
+    assert given == pytest.approx([1.1, 1.2, 1.3], rel=1e-15)
     assert rows[0]["registration"] == ""
     assert main(words) == 2  # they are there already
     assert "--resume" in capsys.readouterr().err
@@ -154,6 +156,10 @@ def test_all_scenes_of_a_case_are_swept_also_in_processes(case, capsys):
     assert folders == {f"{name}-SelfContact={word}" for name in ("half", "whole") for word in ("on", "off")}
     told = capsys.readouterr().out
     assert "whole, SelfContact=off" in told
+    with (case / "results" / "tiny-sweep" / "sweep.csv").open(newline="") as table:
+        rows = {row["scene"]: row["SelfContact"] for row in csv.DictReader(table)}
+    assert all(name.endswith(f"={word}") for name, word in rows.items())
+    assert set(rows.values()) == {"on", "off"}
 
 
 SWEPT = [

@@ -10,7 +10,7 @@ from .cli_case import folder_name, load_case
 from .cli_run import results_of, run, write_table
 from .results import Result, load
 from .scene import Scene
-from .sweep import read_values, varied
+from .sweep import read_values, value_of, varied
 
 TABLE = "sweep.csv"
 NUMBERS = (
@@ -62,11 +62,12 @@ def sweep(options: argparse.Namespace) -> int:
     status = run(options)
     case = load_case(options.case, options.variation)
     base = results_of(case, options)
-    rows = []
-    for name in case.scenes(quick=options.quick, only=options.only or ()):
+    rows, parameters = [], [parameter for parameter, _ in options.vary]
+    for name, scene in case.scenes(quick=options.quick, only=options.only or ()).items():
         folder = base / folder_name(name)
         if (folder / "states").is_dir():
             summary = load(folder, known=case.known).summary()
-            rows.append((name, *(summary[number] for number in NUMBERS)))
-    write_table(base / TABLE, ("scene", *NUMBERS), rows)
+            values = [value_of(scene, parameter) for parameter in parameters]
+            rows.append((name, *values, *(summary[number] for number in NUMBERS)))
+    write_table(base / TABLE, ("scene", *parameters, *NUMBERS), rows)
     return status

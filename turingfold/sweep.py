@@ -48,9 +48,7 @@ def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
     Raises ValueError for another kind of values, and for parameters that are no number, word or switch.
     """
     part, *names = parameter.split(".")
-    now = _part(scene, part)
-    for name in names:
-        now = _value(now, name, parameter)
+    now = value_of(scene, parameter) if names else _part(scene, part)
     words = text.split(",")
     try:
         if not names or isinstance(now, str):
@@ -69,6 +67,17 @@ def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
             f"{parameter}={text}: it is {now!r} in the case; list values of that kind, such as "
             f"{_example(now)}."
         ) from error
+
+
+def value_of(scene: Scene, parameter: str) -> Any:
+    """Return the value of a parameter, or whether a part is there: "on" or "off"."""
+    part, *names = parameter.split(".")
+    if not names:
+        return "on" if part in (type(own).__name__ for own in (*scene.terms, *scene.processes)) else "off"
+    now = _part(scene, part)
+    for name in names:
+        now = _value(now, name, parameter)
+    return now
 
 
 def _whole(value: float) -> int:
