@@ -35,9 +35,9 @@ class Condition:
         return self.value < self.bound if self.relation == "<" else self.value > self.bound
 
     def __str__(self) -> str:
-        """Return one line or a table, with pass or fail."""
+        """Return one line of a table, with pass or fail."""
         verdict = "pass" if self.holds else "FAIL"
-        return f"{self.text:<34} {self.value:>12.6g} {self.relation} {self.bound:<12.6g} {verdict}"
+        return f"{self.text:<36} {self.value:>12.6g} {self.relation} {self.bound:<12.6g} {verdict}"
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Conditions:
         return all(check.holds for check in self.checks)
 
     def __str__(self) -> str:
-        """Return one line or a table, with pass or fail."""
+        """Return one line of a table, with pass or fail."""
         verdict = "Turing-unstable" if self.unstable else "NOT Turing-unstable"
         parameters = ", ".join(f"{name}={value:g}" for name, value in self.kinetics.parameters.items())
         name = type(self.kinetics).__name__
