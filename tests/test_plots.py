@@ -7,8 +7,10 @@ import pytest
 from matplotlib.figure import Figure
 from small import elastic_scene, folding_scene
 
-from turingfold import AxonalTension, half, plots, semicircle, simulate
+from turingfold import AxonalTension, half, outline, plots, semicircle, simulate
 from turingfold.drawing import at_nodes, colour_limits, compact, per_length, round_length, sulci
+from turingfold.results import Result
+from turingfold.scene import State
 
 
 @pytest.fixture(scope="module")
@@ -19,6 +21,17 @@ def folded():
 @pytest.fixture
 def figure():
     return Figure()
+
+
+@pytest.fixture(scope="module")
+def disc():
+    """A free body with a closed pial surface, a circle of radius 1."""
+    angle = np.linspace(0, 2 * np.pi, 120, endpoint=False)
+    return outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=0.25, size=0.2)
+
+
+def titles(figure):
+    return [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
 
 
 def drawn(figure):
@@ -121,11 +134,37 @@ def test_peaks_stand_where_the_activator_is_largest(folded, figure):
 
 def test_the_whole_story_has_four_panels(folded, figure):
     plots.folding(figure, folded, term=AxonalTension(strength=0.5))
-    titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_title(loc="left")]
-    assert [title[5] for title in titles] == list("abcd")
+    story = titles(figure)
+    assert [title[5] for title in story] == list("abcd")
     summary = folded.summary()
-    assert f"{summary['folds']} sulci" in titles[3]
-    assert f"registration {summary['registration']:+.2f}" in titles[3]
+    assert f"{summary['folds']} sulci" in story[3]
+    assert f"registration {summary['registration']:+.2f}" in story[3]
+
+
+@pytest.mark.parametrize(
+    ("term", "panels"),
+    [
+        (None, ["pial surface", "growth"]),
+        (AxonalTension(strength=0.1), ["pial surface", "growth"]),  # follows a pattern that is not there
+        (AxonalTension(strength=0.1, patches=4), ["load of the tension", "pial surface", "growth"]),
+    ],
+)
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_story_without_pattern_has_the_panels_there_is_something_for(figure, disc, term, panels, closed):
+    result = simulate(elastic_scene(body=disc if closed else None))
+    plots.folding(figure, result, term=term)
+    drawn(figure)
+    starts = [f"$\\bf{{{letter}}}$   {panel}" for letter, panel in zip("abc", panels, strict=False)]
+    assert [title[: len(start)] for title, start in zip(titles(figure), starts, strict=True)] == starts
+    rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
+    assert rows == len(panels) - 1  # no room is left empty
+
+
+def test_a_story_without_load_keeps_the_pattern(folded, figure):
+    plots.folding(figure, folded)
+    assert [title[5:7] for title in titles(figure)] == ["a}", "b}", "c}"]
+    assert "activator" in titles(figure)[0]
+    assert "load" not in "".join(titles(figure))
 
 
 def test_load_arrows_show_the_force_per_length():
@@ -141,9 +180,70 @@ def test_load_arrows_show_the_force_per_length():
     np.testing.assert_allclose(at[0], np.linspace(0.1, 1.9, 10), rtol=1e-12)
 
 
-def test_a_load_that_is_not_there_is_refused(folded, figure):
+def test_load_arrows_on_a_closed_path_have_no_ends():
+    # around a square with sides of 1, the force (3, 2) per length on every edge
+    edges, side = 40, np.arange(20) / 20
+    zero, one = np.zeros(20), np.ones(20)
+    points = np.stack(
+        [np.concatenate([side, one, 1 - side, zero]), np.concatenate([zero, side, one, 1 - side])]
+    )
+    forces = np.zeros_like(points)
+    for k in range(edges):
+        at = np.arange(2 * k, 2 * k + 3) % (2 * edges)
+        forces[:, at] += (4 / edges) * np.array([[3.0], [2.0]]) * np.array([1, 4, 1]) / 6
+    at, load = per_length(points, forces, count=10)
+    np.testing.assert_allclose(load, np.array([[3.0], [2.0]]) * np.ones(10), rtol=1e-12)
+    assert len(at.T) == 10
+    np.testing.assert_allclose(at[:, [0, -1]], [[0.2, 0.0], [0.0, 0.2]], atol=1e-12)
+
+
+@pytest.mark.parametrize("surface", ["interface", "pial"])
+def test_load_arrows_go_all_round_a_closed_body(figure, disc, surface):
+    scene, pull = elastic_scene(body=disc), AxonalTension(strength=0.1, surface=surface, patches=3)
+    axes = figure.add_subplot()
+    plots.load_arrows(axes, scene, State(1.0), pull, count=1000)  # an arrow on each edge
+    (arrows,) = axes.collections
+    nodes = disc.interface if surface == "interface" else disc.pial
+    at, load = arrows.XY.T / 1e3, np.stack([arrows.U, arrows.V])
+    assert at.shape == (2, len(nodes) // 2)
+    path = disc.nodes[:, np.append(nodes, nodes[0])]
+    np.testing.assert_allclose(at, 0.5 * (path[:, :-2:2] + path[:, 2::2]), atol=0.01)
+    if surface == "interface":  # no net force
+        lengths = np.hypot(*np.diff(path)).reshape(-1, 2).sum(1)
+        assert np.abs(load @ lengths).max() < 1e-12 * (np.hypot(*load) @ lengths)
+    else:  # along the circle, to and from each of the three patches
+        along = (at[0] * load[1] - at[1] * load[0]) / np.hypot(*at)
+        across = (at * load).sum(0) / np.hypot(*at)
+        assert np.abs(across).max() < 0.05 * np.abs(along).max()
+        assert np.count_nonzero(along * np.roll(along, 1) < 0) == 6
+
+
+def test_closed_surfaces_are_drawn_closed_and_have_no_peak_at_a_seam(figure, disc):
+    scene = elastic_scene(body=disc)
+    band = disc.nodes[:, disc.cortex.nodes]
+    first = disc.nodes[:, disc.pial[0]]
+    angle = np.arctan2(band[1], band[0]) - np.arctan2(first[1], first[0])
+    pattern = 0.5 + 0.5 * np.cos(5 * angle)  # a peak where the pial nodes begin and end
+    rest = {"displacement": np.zeros_like(disc.nodes), "growth": np.ones((2, *disc.quadrature.weights.shape))}
+    result = Result(scene, (State(0.0, rest), State(1.0, rest | {"pattern": pattern})), (), True)
+    axes = figure.add_subplot()
+    plots.peaks(axes, result)
+    assert len(axes.lines[0].get_xdata()) == 5
+    plots.outline(axes, disc)
+    plots.pial_history(axes, result)
+    plots.activator(axes, result)
+    assert len(axes.lines) > 3
+    for line in axes.lines[1:]:
+        x, y = line.get_data()
+        assert (x[0], y[0]) == (x[-1], y[-1])
+
+
+@pytest.mark.parametrize("pull", [AxonalTension(strength=0.0), AxonalTension(strength=0.5, ramp=0.0)])
+def test_a_load_that_is_not_there_is_refused(folded, figure, pull):
+    # one without strength, and one that follows a pattern the state lacks
+    state = folded.last if pull.strength == 0 else State(1.0)
     with pytest.raises(ValueError, match="AxonalTension has no load"):
-        plots.load_arrows(figure.add_subplot(), folded.scene, folded.last, AxonalTension(strength=0.0))
+        plots.load_arrows(figure.add_subplot(), folded.scene, state, pull)
 
 
 def test_values_that_are_linear_come_out_at_the_nodes(folded):

@@ -129,7 +129,7 @@ def load_arrows(
 ) -> None:
     """Draw the load of a term at the end of the scene on the undeformed body, as about `count` arrows.
 
-    The load is a force per area of the curve it acts on, in N/m² or in units of the moduli; forces at the
+    The load is a force per area of the curve it acts on, in N/m² or in units of the moduli; forces at an open
     curve's ends are left out.
     share: of the body's width that is shown, around the apex.
     Raises ValueError for a term without load.
