@@ -109,7 +109,7 @@ def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:
         edge(axes, points, body)
     frame(axes)
     if bar:
-        _bar_inside(axes, colors, "activator û", [0, 0.5, 1])
+        _bar_inside(axes, body, colors, "activator û", [0, 0.5, 1])
 
 
 def peaks(axes: Axes, result: Result, step: int = -1) -> None:
@@ -173,7 +173,7 @@ def pial_history(axes: Axes, result: Result, *, count: int = 8, bar: bool = True
         axes.plot(*(MM * around(result.pial(k))), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
     frame(axes)
     if bar:
-        _bar_inside(axes, colors, "tangential growth", [min(factors), max(factors)])
+        _bar_inside(axes, result.scene.body, colors, "tangential growth", [min(factors), max(factors)])
 
 
 def panels(
@@ -268,6 +268,7 @@ def _unit(scene: Scene, field: str) -> tuple[float, str]:
     return unit, f"{FIELDS[field]} ({name})" if name else f"{FIELDS[field]} (in units of the moduli)"
 
 
-def _bar_inside(axes: Axes, colors: ScalarMappable, label: str, ticks: list[float]) -> None:
-    bar = axes.inset_axes((0.32, 0.4, 0.36, 0.06))
+def _bar_inside(axes: Axes, body: Body, colors: ScalarMappable, label: str, ticks: list[float]) -> None:
+    level = 0.54 if pial_closed(body) else 0.4  # clear of the sulci from below
+    bar = axes.inset_axes((0.32, level, 0.36, 0.06))
     axes.figure.colorbar(colors, cax=bar, orientation="horizontal", ticks=ticks, label=label, format="%.3g")
