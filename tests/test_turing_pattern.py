@@ -5,6 +5,7 @@ import pytest
 from turing_problems import ORACLE, initial_a, outer_line, probes, problem_a, semi_annulus, steady_a
 
 from turingfold.geometry import half, semicircle, semiellipse
+from turingfold.outlines import outline
 from turingfold.scene import NotConvergedError, Process, State
 from turingfold.turing.concentrations import Brusselator, GrayScott, Schnakenberg
 from turingfold.turing.deviations import BVAM, FitzHughNagumo
@@ -240,3 +241,16 @@ def test_nan_initial_data_are_refused():
         settle(system, state)
     with pytest.raises(ValueError, match="d_u=-1"):
         ReactionDiffusion(system.space, Schnakenberg(), -1.0, 1.0)
+
+
+@pytest.mark.parametrize("half_waves", [12, 16, 20])
+def test_a_pattern_round_a_closed_band_may_hardly_be_held_in_its_place(half_waves):
+    angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    ellipse = np.stack([0.018 * np.cos(angle), 0.015 * np.sin(angle)])
+    body = outline(ellipse, thickness=3e-3, size=1.5e-3)
+    pattern = Turing(Schnakenberg(), half_waves=half_waves).pattern(body)
+    rate = pattern.steady.leading.real / pattern.design.conditions.fastest_rate
+    assert abs(rate) < 0.01  # of the shift along the band, whichever of two places the mirror symmetry chose
+    assert pattern.steady.residual < 1e-12
+    along = pattern.normalised[pattern.design.line[:-1]]
+    assert np.count_nonzero(np.diff(np.sign(np.append(along, along[0]) - 0.5))) == half_waves

@@ -18,6 +18,7 @@ from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .stability import Conditions, at_ratio
 from .steady import SteadyState, refine, settle
 
+SHIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
 
 @dataclass(frozen=True, eq=False)
 class Design:
@@ -72,6 +73,9 @@ class Turing:
         and the number of half waves may then come out differently.
     amplitude: of the start, relative to the activator's steady state (absolute where that is 0).
     symmetric: makes the pattern its own mirror image about the body's vertical axis x = 0.
+
+    Round a closed band little but its curvature holds a pattern in its place: there, one may drift at less
+    than a hundredth of the rate at which it forms and counts as steady; on open bands none may.
 
     Writes "activator" and "inhibitor" in the kinetics' units and "pattern", the activator from 0 to 1, each
     of shape (n_band_nodes,). Raises ValueError if the kinetics are not Turing-unstable or the band or its
@@ -138,12 +142,14 @@ class Turing:
         found, mesh = design.conditions, body.cortex.mesh
         linear = ReactionDiffusion(discretise(mesh, 1), self.kinetics, found.d_u, found.d_v)
         quadratic = ReactionDiffusion(design.space, self.kinetics, found.d_u, found.d_v)
-        settled = settle(linear, self._begin(body, design, seed)[:, : mesh.nvertices])
+        # along a closed band the pattern may be shifted: hardly anything but its curvature resists that
+        neutral = SHIFT * found.fastest_rate if body.pial_curve.closed else 0.0
+        settled = settle(linear, self._begin(body, design, seed)[:, : mesh.nvertices], neutral=neutral)
         vertices = settled.state
         guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
         if self.symmetric and not body.mirror:
             guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
-        steady = refine(quadratic, settled, guess)
+        steady = refine(quadratic, settled, guess, neutral=neutral)
         refuse_negative(self.kinetics, steady.state)
         return Pattern(design, quadratic, steady)
 

@@ -115,10 +115,12 @@ def settle(
     until: float = math.inf,
     steps: int = 1000,
     tolerance: float = 1e-2,
+    neutral: float = 0.0,
 ) -> SteadyState:
     """Run from a start until the pattern stands, polish it with Newton's method, and certify it.
 
-    until, steps: longest time and largest number of steps to run.
+    until, steps: longest time and largest number of steps to run.  neutral: rate up to which a perturbation
+    may grow.
     tolerance: local error of the run, relative; the end point does not depend on it.
     Raises NotConvergedError if nothing stable is reached by then.
     """
@@ -131,7 +133,7 @@ def settle(
             except NotConvergedError:
                 continue
             leading = leading_eigenvalue(system, state)
-            if leading.real < 0:
+            if leading.real < neutral:
                 return SteadyState(state, residual, leading, moment.time, moment.steps, iterations)
         if moment.steps >= steps or slow < 1e-12:
             break
@@ -143,14 +145,17 @@ def settle(
     )
 
 
-def refine(system: ReactionDiffusion, coarse: SteadyState, state: Array) -> SteadyState:
+def refine(
+    system: ReactionDiffusion, coarse: SteadyState, state: Array, *, neutral: float = 0.0
+) -> SteadyState:
     """Polish a coarser steady state, interpolated to `state`, on the finer system and certify it there.
 
+    neutral: rate up to which a perturbation may grow.
     Raises NotConvergedError if Newton's method fails or the steady state is unstable.
     """
     state, residual, iterations = newton(system, state)
     leading = leading_eigenvalue(system, state)
-    if leading.real >= 0:
+    if leading.real >= neutral:
         raise NotConvergedError(
             f"the steady state is unstable on the quadratic elements (leading eigenvalue {leading:.3g}) "
             "though stable on the linear ones; use smaller elements.",
