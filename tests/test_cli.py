@@ -226,7 +226,10 @@ def test_ctrl_c_is_status_130_and_says_how_to_go_on(written, tmp_path, capsys):
 def test_a_real_interrupt_can_be_resumed(written, tmp_path, jobs):
     case = written(GROWS, step=0.002)
     words = [sys.executable, "-m", "turingfold", "run", case, "-j", jobs]
-    process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    process = subprocess.Popen(
+        words, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored in the background
+    )  # fmt: skip
     history = tmp_path / "results/tiny/grows/history.csv"
     while not history.exists() or history.read_text().count("\n") < 5:
         assert process.poll() is None
