@@ -421,3 +421,20 @@ def test_a_case_may_import_a_file_beside_it(tmp_path, monkeypatch, capsys):
     )
     assert main(["list", str(tmp_path / "own.py")]) == 0
     assert "one" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["run", "sweep", "accuracy"])
+def test_a_case_makes_its_scenes_once(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    Path("own.py").write_text(
+        '"""Own."""\nfrom pathlib import Path\nfrom turingfold import *\n'
+        "def scenes(quick=False):\n"
+        "    with Path('made').open('a') as file:\n        file.write('x')\n"
+        "    body = semicircle(radius=1.0, thickness=0.25, size=0.25)\n"
+        "    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))\n"
+        "    return {'one': Scene(body=body, terms=(solid,), processes=(TangentialGrowth(cortex=1.1),))}\n"
+        "def draw(results, figure):\n    plots.section(figure.add_subplot(), results['one'])\n"
+    )
+    more = ["--vary", "TangentialGrowth.cortex=1.1,1.2"] if command == "sweep" else []
+    assert main([command, "own.py", *more]) == 0
+    assert Path("made").read_text() == "x"

@@ -1,5 +1,6 @@
 """Results on disk: round trips, damage, foreign content, and going on after a kill to the last bit."""
 
+import contextlib
 import errno
 import json
 import os
@@ -118,6 +119,19 @@ def test_arrays_keep_their_bits_and_show_damage(tmp_path):
     (tmp_path / "a.npz").write_bytes(content[: len(content) // 2])
     with pytest.raises(CorruptFileError, match="damaged"):
         read_arrays(tmp_path / "a.npz")
+
+
+def test_damage_anywhere_in_the_archive_s_directory_is_damage(tmp_path):
+    file = tmp_path / "a.npz"
+    write_arrays(file, {"x": np.arange(3.0), "n": np.array(7)})
+    content = file.read_bytes()
+    for at in range(content.index(b"PK\x01\x02"), len(content)):
+        file.write_bytes(content[:at] + b"\xff" + content[at + 1 :])
+        with contextlib.suppress(CorruptFileError):  # any other error would end the run that resumes
+            assert set(read_arrays(file)) == {"x", "n"}
+    file.write_bytes(content[:-6] + b"\xff" * 4 + content[-2:])  # the directory's place, beyond the file
+    with pytest.raises(CorruptFileError, match="damaged"):
+        read_arrays(file)
 
 
 def test_a_single_array_is_no_file_of_arrays(tmp_path):

@@ -9,7 +9,7 @@ from typing import Any
 
 from .accuracy import Difference, compared, draw, told, trials
 from .cli_case import folder_name, load_case
-from .cli_run import results_of, run, write_table
+from .cli_run import results_of, run_case, write_table
 from .results import Result, load
 from .scene import Scene
 
@@ -54,9 +54,8 @@ def of_scenes(results: Mapping[str, Result]) -> dict[str, dict[str, list[Differe
 def accuracy(options: argparse.Namespace) -> int:
     """Run the trials of a case's scenes, say how much they differ, and write that as table and figure."""
     options.variation = Accuracy(options.meshes, options.steps)
-    status = run(options)
     case = load_case(options.case, options.variation)
-    base = results_of(case, options)
+    status, base = run_case(case, options), results_of(case, options)
     if status:  # table and figure of an earlier run would be of other results
         for stale in (base / TABLE, base / f"{case.name}.png"):
             stale.unlink(missing_ok=True)

@@ -7,7 +7,7 @@ import sys
 import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, field, is_dataclass
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -46,7 +46,7 @@ class Variation(Protocol):
         """Draw their results."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
     """A case file that was read.
 
@@ -56,6 +56,8 @@ class Case:
     path: Path
     module: ModuleType
     variation: Variation | None = None
+    _own: dict[bool, dict[str, Scene]] = field(init=False, default_factory=dict)
+    _made: dict[tuple[bool, tuple[str, ...]], dict[str, Scene]] = field(init=False, default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -79,7 +81,25 @@ class Case:
         )
 
     def scenes(self, *, quick: bool, only: Iterable[str] = ()) -> dict[str, Scene]:
-        """Return its scenes by name, or only some; raises ValueError for an unknown name."""
+        """Return its scenes by name, or only some, made once; raises ValueError for an unknown name."""
+        every, wanted = self._all(quick), tuple(only)
+        unknown = [name for name in wanted if name not in every]
+        if unknown:
+            names = ", ".join(map(repr, every))
+            raise ValueError(f"{self.path} has no scene {unknown[0]!r}; it has: {names}.")
+        chosen = {name: scene for name, scene in every.items() if not wanted or name in wanted}
+        if self.variation is None:
+            return chosen
+        if (quick, wanted) not in self._made:
+            made = self.variation.scenes(chosen)
+            self._check_apart(made)
+            self._made[quick, wanted] = made
+        return self._made[quick, wanted]
+
+    def _all(self, quick: bool) -> dict[str, Scene]:
+        """Return what the case's own function makes; to make it may take long."""
+        if quick in self._own:
+            return self._own[quick]
         with explained(self.path):
             found = self.module.scenes(quick=quick)
         if not isinstance(found, dict) or not found:
@@ -87,17 +107,9 @@ class Case:
         for name, scene in found.items():
             if not isinstance(name, str) or not isinstance(scene, Scene):
                 raise ValueError(f"{self.path}: scenes() has {name!r}: {type(scene).__name__}; {EXPECTED}.")
-        unknown = [name for name in only if name not in found]
-        if unknown:
-            names = ", ".join(map(repr, found))
-            raise ValueError(f"{self.path} has no scene {unknown[0]!r}; it has: {names}.")
         self._check_apart(found)
-        chosen = {name: scene for name, scene in found.items() if not only or name in only}
-        if self.variation is None:
-            return chosen
-        made = self.variation.scenes(chosen)
-        self._check_apart(made)
-        return made
+        self._own[quick] = found
+        return found
 
     def _check_apart(self, names: Collection[str]) -> None:
         folders = {folder_name(name) for name in names}

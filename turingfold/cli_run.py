@@ -47,9 +47,13 @@ class Job:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the scenes, say what became of them, draw the figure; return the exit status."""
+    """Run the scenes of a case, say what became of them, draw the figure; return the exit status."""
+    return run_case(load_case(options.case), options)
+
+
+def run_case(case: Case, options: argparse.Namespace) -> int:
+    """Do that with a case that was read, and perhaps is varied."""
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
-    case = load_case(options.case, options.variation)
     scenes = case.scenes(quick=options.quick, only=options.only or ())
     base = results_of(case, options)
     jobs = [

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .cli_case import folder_name, load_case
-from .cli_run import results_of, run, write_table
+from .cli_run import results_of, run_case, write_table
 from .results import Result, load
 from .scene import Scene
 from .sweep import read_values, value_of, varied
@@ -59,9 +59,8 @@ def sweep(options: argparse.Namespace) -> int:
     Table and figure are of this sweep alone: results of earlier ones stay in their folders, but are not read.
     """
     options.variation = Sweep(tuple(options.vary))
-    status = run(options)
     case = load_case(options.case, options.variation)
-    base = results_of(case, options)
+    status, base = run_case(case, options), results_of(case, options)
     rows, parameters = [], [parameter for parameter, _ in options.vary]
     for name, scene in case.scenes(quick=options.quick, only=options.only or ()).items():
         folder = base / folder_name(name)
