@@ -62,10 +62,10 @@ def trials(scene: Scene, *, meshes: int = 1, steps: int = 1) -> dict[str, Scene]
     whole("meshes", meshes, at_least=0)
     if whole("steps", steps, at_least=0) + meshes == 0:
         raise ValueError("meshes=0 and steps=0 leave nothing to compare with; let one of them be at least 1.")
-    found = {AS_IT_IS: scene}
+    found, body, now = {AS_IT_IS: scene}, scene.body, scene.stepping
     for k in range(1, meshes + 1):
-        found[NAMES["mesh"].format(2**k)] = replace(scene, body=refined(scene.body, k))
-    now = scene.stepping
+        body = refined(body)
+        found[NAMES["mesh"].format(2**k)] = replace(scene, body=body)
     for n in (2**k for k in range(1, steps + 1)):
         shorter = replace(now, first=now.first / n, largest=now.largest / n, smallest=now.smallest / n)
         found[NAMES["steps"].format(n)] = replace(scene, stepping=shorter)

@@ -168,13 +168,14 @@ def _attempt(
     iterations, factorizations = effort.iterations, effort.factorizations
     state = _onward_by(scene, old, dt)
     potentials = at_end = acting(operators, state, dt)
-    if in_the_middle(scene):
+    midway = in_the_middle(scene)
+    if midway:
         potentials = acting(operators, _onward_by(scene, old, 0.5 * dt), dt)
     effort.add("processes", began)
     found = minimiser.minimise(potentials, by_node(old["displacement"]), _predicted(potentials, progress, dt))
     state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
     end = by_node(state["displacement"])
-    if in_the_middle(scene) or not np.array_equal(end, found.x):
+    if midway or not np.array_equal(end, found.x):
         minimiser.forget()
     numbers = {
         **_numbers(found, state.time, dt),
