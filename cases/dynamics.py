@@ -19,7 +19,7 @@ from turingfold import (
     SelfContact,
     TangentialGrowth,
     Turing,
-    plots,
+    figures,
     semicircle,
 )
 
@@ -48,8 +48,8 @@ def draw(results, figure):
     slow = results["quasi-static"]
     for number, (name, result) in enumerate(results.items()):
         if name in axes:
-            plots.section(axes[name], result)
-            axes[name].set_title(f"{name}\n{plots.measures(result)}", fontsize=9)
+            figures.section(axes[name], result)
+            axes[name].set_title(f"{name}\n{figures.measures(result)}", fontsize=9)
         if result is slow:
             axes["outlines"].plot(*(1e3 * slow.pial()), color="0.6", linewidth=3, label=name)
             continue

@@ -22,12 +22,12 @@ from turingfold import (
     TangentialGrowth,
     bifurcation_diagram,
     equilibria,
+    figures,
     fold_amplitude,
     half,
-    panels,
     semicircle,
 )
-from turingfold.mechanics.factor import largest_growth
+from turingfold.growth.measure import largest_growth
 
 RADIUS, THICKNESS = 0.0404, 0.15 * 0.0404
 GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
@@ -64,8 +64,8 @@ def draw(results, figure):
     ends = np.flatnonzero(path.stable & ~np.append(path.stable[1:], False) & (path.of("rate") > 0))
     for k, place in enumerate(ends[:3]):
         panel = right.add_subplot(3, 1, k + 1)
-        panels.layers(panel, followed, place)
+        figures.layers(panel, followed, place)
         letter, growth = "ABC"[k], path.points[place].growth
-        panel.set_title(f"{letter}  growth {growth:.2f}, {panels.numbers(followed, place)}", fontsize=8)
+        panel.set_title(f"{letter}  growth {growth:.2f}, {figures.numbers(followed, place)}", fontsize=8)
         at = fold_amplitude(scene.body, [path.points[place].state["displacement"]])[0]
         axes.annotate(letter, (growth, 1e3 * at), xytext=(4, 4), textcoords="offset points")

@@ -8,9 +8,9 @@ for 1.5 h (t = 1). The solvent reaches depth y as erfc(y/√(4 D t)) with D = 0.
 = 5): our choices.
 """
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels, semicircle
-from turingfold.imperfection import Imperfection
-from turingfold.swelling import SurfaceSwelling
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures, semicircle
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.swelling import SurfaceSwelling
 
 COAT = 0.025
 LAYERS = {1: 3, 4: 4, 8: 5}  # elements across so many coats
@@ -34,7 +34,7 @@ def draw(results, figure):
     for name, result in results.items():
         for minutes in (30, 90):
             title = f"{name}, {minutes} min"
-            shown[title] = result, panels.nearest_step(result, result.scene.until * minutes / 90)
-    drawn = panels.grid(figure, shown, columns=2)
+            shown[title] = result, figures.nearest_step(result, result.scene.until * minutes / 90)
+    drawn = figures.grid(figure, shown, columns=2)
     for axes, (result, _) in zip(drawn, shown.values(), strict=True):
-        panels.before(axes, result)
+        figures.before(axes, result)

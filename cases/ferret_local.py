@@ -11,11 +11,11 @@ Over the seeds 0, 1 and 2: 2 g deepens the folds of the zone from 1.6 to 1.8 T t
 or 7 sulci there instead of 2 or 3, and normal ones beyond it.
 """
 
-from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, panels, semicircle
-from turingfold.geometry import half
-from turingfold.growth import RateGrowth
-from turingfold.imperfection import Imperfection
-from turingfold.zones import Ellipse, Zone
+from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, figures, semicircle
+from turingfold.geometry.mirror import half
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.laws import RateGrowth
+from turingfold.growth.zones import Ellipse, Zone
 
 THICKNESS, RATE, P32 = 0.1, 1.9, 0.44
 TERMS = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(), Drag(coefficient=3.0))
@@ -49,4 +49,4 @@ def scenes(quick=False):
 
 
 def draw(results, figure):
-    panels.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=3)
+    figures.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=3)

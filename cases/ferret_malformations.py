@@ -18,10 +18,10 @@ folds 1.5 times as far apart take up the excess surface, (e^{0.63} - 1)/(e^{0.84
 the same depth.
 """
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels, semicircle
-from turingfold.growth import RateGrowth
-from turingfold.imperfection import Imperfection
-from turingfold.zones import Window, Zone
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures, semicircle
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.laws import RateGrowth
+from turingfold.growth.zones import Window, Zone
 
 THICKNESS, RATE, P32 = 0.1, 1.9, 0.44
 TERMS = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
@@ -50,4 +50,4 @@ def scenes(quick=False):
 
 
 def draw(results, figure):
-    panels.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=2, width=4.2)
+    figures.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=2, width=4.2)

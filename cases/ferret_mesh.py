@@ -20,10 +20,10 @@ index 0.6 to 1.3 per cent lower on 1 x, a third of it because the surface is mea
 meshes: seed 0 only. Amplitude, drag and coarsest mesh were chosen on the seeds 0 to 5; 6 to 9 were new.
 """
 
-from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, panels, semicircle
-from turingfold.geometry import half
-from turingfold.growth import RateGrowth
-from turingfold.imperfection import Imperfection
+from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, figures, semicircle
+from turingfold.geometry.mirror import half
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.laws import RateGrowth
 
 THICKNESS, COARSEST, P32 = 0.1, 0.025, 0.44
 SOLID, FLOW = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Drag(coefficient=3.0)
@@ -52,4 +52,4 @@ def scenes(quick=False):
 def draw(results, figure):
     counts = {name: 2 * result.scene.body.in_cortex.sum() for name, result in results.items()}
     notes = {name: f"{count} triangles in the cortex" for name, count in counts.items()}
-    panels.grid(figure, {k: (r, -1) for k, r in results.items()}, columns=2, notes=notes, width=4.2)
+    figures.grid(figure, {k: (r, -1) for k, r in results.items()}, columns=2, notes=notes, width=4.2)

@@ -10,12 +10,12 @@ along its surface; that growth slows down with age, to 1/e in 12 days, is our ch
 
 import numpy as np
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels
-from turingfold.growth import RateGrowth
-from turingfold.histories import growth_time
-from turingfold.imperfection import Imperfection
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures
+from turingfold.growth.histories import growth_time
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.laws import RateGrowth
+from turingfold.growth.zones import Ellipse, HalfPlane, Zone
 from turingfold.outlines import outline
-from turingfold.zones import Ellipse, HalfPlane, Zone
 
 THICKNESS, P32 = 0.1, 0.44
 MIDDLE = Zone(region=Ellipse(centre=(0, 0), semi_axes=(0.5, 0.5), edge=0.2, ramp="straight"), growth=0.0)
@@ -36,5 +36,5 @@ def draw(results, figure):
     shown = {}
     for day in (0, 4, 8, 16, 32):
         time = growth_time(day, duration=result.scene.until)
-        shown[f"P{day}"] = result, panels.nearest_step(result, time)
-    panels.grid(figure, shown, columns=5, width=2.6)
+        shown[f"P{day}"] = result, figures.nearest_step(result, time)
+    figures.grid(figure, shown, columns=5, width=2.6)

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, panels
-from turingfold.growth import RateGrowth
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures
+from turingfold.growth.laws import RateGrowth
+from turingfold.growth.zones import HalfPlane, Zone
 from turingfold.outlines import outline, read_outline
-from turingfold.zones import HalfPlane, Zone
 
 BESIDE = Path(__file__).parents[2] / "shared" / "reference" / "ferret"
 FOLDER = Path(os.environ.get("FERRET_OUTLINES", BESIDE))
@@ -55,10 +55,10 @@ def draw(results, figure):
         shown[f"{side}, grown"] = result, -1
         ratio, gi = end / start, PUBLISHED[side]
         notes[f"{side}, grown"] = f"perimeter {ratio:.3f} times P0's; stage 4: GI {gi:.3f} (dotted)"
-    drawn = panels.grid(figure, shown, columns=4, notes=notes, width=2.6)
+    drawn = figures.grid(figure, shown, columns=4, notes=notes, width=2.6)
     for axes, side in zip(drawn[1::2], results, strict=True):
         x, y = section(side, 4)
-        axes.fill(x, y, fill=False, linestyle=":", edgecolor=panels.INK, linewidth=0.8)
+        axes.fill(x, y, fill=False, linestyle=":", edgecolor=figures.INK, linewidth=0.8)
 
 
 def perimeter(points):

@@ -17,12 +17,12 @@ from functools import cache
 
 import numpy as np
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, Stepping, panels, simulate
-from turingfold.growth import RateGrowth
-from turingfold.imperfection import Imperfection
+from turingfold import Elastic, NeoHookean, Scene, SelfContact, Stepping, figures, simulate
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.laws import RateGrowth
+from turingfold.growth.zones import HalfPlane, Zone
 from turingfold.outlines import outline
-from turingfold.outlines.retrace import retraced
-from turingfold.zones import HalfPlane, Zone
+from turingfold.outlines.remesh import retraced
 
 THICKNESS = 0.1
 STAGES = {"P0 to P4": 0.36, "P4 to P8": 0.12, "P8 to P16": 0.12, "P16 to P32": 0.12}
@@ -56,5 +56,5 @@ def scenes(quick=False):
 
 def draw(results, figure):
     shown = {name: (result, -1) for name, result in results.items()}
-    for axes, result in zip(panels.grid(figure, shown, columns=4, width=3.0), results.values(), strict=True):
-        panels.before(axes, result)
+    for axes, result in zip(figures.grid(figure, shown, columns=4, width=3.0), results.values(), strict=True):
+        figures.before(axes, result)

@@ -16,7 +16,7 @@ from turingfold import (
     SelfContact,
     TangentialGrowth,
     Turing,
-    plots,
+    figures,
     semiellipse,
 )
 
@@ -36,4 +36,4 @@ def scenes(quick=False):
 
 
 def draw(results, figure):
-    plots.folding(figure, results["three hypotheses"], term=PULL)
+    figures.folding(figure, results["three hypotheses"], term=PULL)

@@ -16,7 +16,7 @@ from turingfold import (
     SelfContact,
     TangentialGrowth,
     Turing,
-    plots,
+    figures,
     semicircle,
 )
 
@@ -33,4 +33,4 @@ def scenes(quick=False):
 
 
 def draw(results, figure):
-    plots.folding(figure, results["three hypotheses"], term=PULL)
+    figures.folding(figure, results["three hypotheses"], term=PULL)

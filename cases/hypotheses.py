@@ -20,7 +20,7 @@ from turingfold import (
     SelfContact,
     TangentialGrowth,
     Turing,
-    plots,
+    figures,
     semicircle,
 )
 
@@ -50,7 +50,7 @@ def scene(body, differential, tension, pattern):
 
 def draw(results, figure):
     figure.set_size_inches(12, 12)
-    for axes, name, result in plots.panels(figure, 4, 2, results):
+    for axes, name, result in figures.section_grid(figure, 4, 2, results):
         idle = "IPH" in name and "ATH" not in name
         note = " (the pattern has no way to act)" if idle else ""
-        axes.set_title(f"{name}{note}\n{plots.measures(result)}", fontsize=10)
+        axes.set_title(f"{name}{note}\n{figures.measures(result)}", fontsize=10)

@@ -16,7 +16,7 @@ from turingfold import (
     SelfContact,
     TangentialGrowth,
     Turing,
-    plots,
+    figures,
     registration,
     semicircle,
 )
@@ -45,9 +45,9 @@ def scenes(quick=False):
 
 def draw(results, figure):
     figure.set_size_inches(12, 9)
-    for axes, name, result in plots.panels(figure, len(PLACES), len(HALF_WAVES), results):
+    for axes, name, result in figures.section_grid(figure, len(PLACES), len(HALF_WAVES), results):
         early = next(k for k, state in enumerate(result.states) if state.time >= EARLY)
         before, after = (registration(result.pattern(), result.pial(k), result.pial(0)) for k in (early, -1))
-        folds = plots.sulci(result.summary()["folds"])
+        folds = figures.sulci(result.summary()["folds"])
         words = f"registration {before:+.2f} before folding, {after:+.2f} after; {folds}"
         axes.set_title(f"{name}\n{words}", fontsize=10)

@@ -24,10 +24,10 @@ from scipy.sparse import diags_array
 from skfem import MeshTri, MeshTri2
 
 from turingfold import Elastic, NeoHookean, Scene, Schnakenberg, Stepping, Turing, semicircle
-from turingfold.turing.bdf import march_bdf
-from turingfold.turing.imex import SCHEMES, fastest_reaction, march_imex
+from turingfold.turing.integrators.bdf import march_bdf
+from turingfold.turing.integrators.imex import SCHEMES, fastest_reaction, march_imex
+from turingfold.turing.integrators.rosenbrock import RODAS4, ROS34PW2, march
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
-from turingfold.turing.rosenbrock import RODAS4, ROS34PW2, march
 from turingfold.turing.steady import settle
 
 RADIUS, THICKNESS = 0.0404, 2.5e-3

@@ -22,7 +22,7 @@ from turingfold import (
     Stepping,
     Thomas,
     Turing,
-    plots,
+    figures,
     semicircle,
 )
 
@@ -55,7 +55,7 @@ def draw(results, figure):
     figure.set_size_inches(13, 15)
     rows = figure.subplots(len(results), 2, width_ratios=(1, 3.2))
     for (band, curve), (name, result) in zip(rows, results.items(), strict=True):
-        plots.activator(band, result, bar=False)
+        figures.activator(band, result, bar=False)
         body = result.scene.body
         along = body.spread(body.cortex, result.last["activator"])[body.pial]
         curve.plot(1e3 * body.pial_arc, along, color="#0072b2")

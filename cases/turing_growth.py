@@ -19,7 +19,7 @@ from turingfold import (
     SelfContact,
     TangentialGrowth,
     Turing,
-    plots,
+    figures,
     semicircle,
 )
 from turingfold.turing.evolving import EvolvingTuring
@@ -79,10 +79,10 @@ def draw(results, figure):
     axes.set_title("mode doubling")
     axes.spines[["top", "right"]].set_visible(False)
     left.colorbar(colours, ax=axes, label="activator u", location="bottom", shrink=0.6)
-    for axes, name, result in plots.panels(right, 2, 2, results):
+    for axes, name, result in figures.section_grid(right, 2, 2, results):
         summary, along = result.summary(), result.pattern()
         axes.set_title(
-            f"{name}: {sign_changes(along - along.mean())} half waves, {plots.sulci(summary['folds'])},\n"
+            f"{name}: {sign_changes(along - along.mean())} half waves, {figures.sulci(summary['folds'])},\n"
             f"gyrification {summary['gyrification_index']:.2f}, registration {summary['registration']:+.2f}, "
             f"processes {summary['seconds_by_part']['processes']:.1f} of {summary['seconds']:.0f} s",
             fontsize=9,

@@ -6,8 +6,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.sparse import csc_matrix, tril
 
-from turingfold.body import Body
-from turingfold.scene import Process, State
+from turingfold.geometry.body import Body
+from turingfold.parts import Process
+from turingfold.state import State
 
 STEPS = 2.0 ** -np.arange(0.0, 15.0, 2.0)
 

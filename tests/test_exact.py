@@ -12,17 +12,19 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from skfem import Basis, ElementTriP2, MeshTri1, MeshTri2
 
-from turingfold.body import Body
-from turingfold.geometry import semicircle
-from turingfold.growth import TangentialGrowth
-from turingfold.mechanics.contact import SelfContact
-from turingfold.mechanics.dynamics import Drag
-from turingfold.mechanics.elastic import Elastic
-from turingfold.mechanics.march import begin, march
-from turingfold.mechanics.material import NeoHookean
-from turingfold.mechanics.minimise import Minimiser
-from turingfold.scene import Scene, State, Stepping
-from turingfold.tension import AxonalTension
+from turingfold.geometry.body import Body
+from turingfold.geometry.shapes import semicircle
+from turingfold.growth.laws import TangentialGrowth
+from turingfold.scene import Scene
+from turingfold.solve.march import begin, march
+from turingfold.solve.newton import Minimiser
+from turingfold.state import State
+from turingfold.stepping import Stepping
+from turingfold.terms.contact import SelfContact
+from turingfold.terms.dynamics import Drag
+from turingfold.terms.elastic.material import NeoHookean
+from turingfold.terms.elastic.term import Elastic
+from turingfold.terms.tension import AxonalTension
 
 # exact solutions
 

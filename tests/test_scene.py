@@ -19,8 +19,8 @@ from turingfold import (
     semicircle,
     simulate,
 )
-from turingfold.mechanics.active import ActiveStress
 from turingfold.scene import stress_scale
+from turingfold.terms.active import ActiveStress
 
 SOLID = Elastic(gray=GRAY)
 

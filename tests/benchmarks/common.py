@@ -7,10 +7,10 @@ from time import process_time
 import numpy as np
 
 from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
-from turingfold.body import Body
-from turingfold.mechanics.linear import NotPositiveDefinite, solver_for
-from turingfold.mechanics.pattern import Gatherer
-from turingfold.results import Result
+from turingfold.geometry.body import Body
+from turingfold.results.result import Result
+from turingfold.solve.linear import NotPositiveDefinite, solver_for
+from turingfold.solve.sparsity import Gatherer
 
 CASES = Path(__file__).parents[2] / "cases"
 RADIUS, THICKNESS = 0.0404, 2.5e-3

@@ -22,7 +22,7 @@ import numpy as np
 from common import TOLERANCE, brain, growth_path, spread
 
 from turingfold import Scene, simulate
-from turingfold.results import Result
+from turingfold.results.result import Result
 
 
 def timed(

@@ -5,7 +5,7 @@ import numpy as np
 from common import GRAY, GROWTH, STEPS, WHITE
 from scipy.sparse.linalg import splu
 
-from turingfold.body import Body
+from turingfold.geometry.body import Body
 
 SYMMETRIC = {
     "permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}

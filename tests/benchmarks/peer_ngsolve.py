@@ -9,7 +9,7 @@ import ngsolve as ngs
 import numpy as np
 from common import GRAY, GROWTH, STEPS, WHITE
 
-from turingfold.body import Body
+from turingfold.geometry.body import Body
 
 ORDER = (0, 1, 2, 4, 5, 3)  # netgen's second-order triangle names its edges after the opposite corner
 # the compiler that its kernels are built with is found by name, beside the interpreter

@@ -17,9 +17,9 @@ from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import cg
 
 from turingfold.arrays import Array
-from turingfold.mechanics.linear import Cholmod, SuperLu
-from turingfold.mechanics.march import acting, begin, discretised, processed
-from turingfold.mechanics.pattern import Gatherer, Pattern
+from turingfold.solve.linear import Cholmod, SuperLu
+from turingfold.solve.march import acting, begin, discretised, processed
+from turingfold.solve.sparsity import Gatherer, Pattern
 
 AT = 0.3  # of the growth path
 

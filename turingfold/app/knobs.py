@@ -10,9 +10,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from ..drawing import round_length
-from ..scene import Scene, Solid
-from ..sweep import read_values, varied
+from ..figures.style import round_length
+from ..parts import Solid
+from ..scene import Scene
+from ..studies.sweep import read_values, varied
 
 Number: TypeAlias = int | float
 Range: TypeAlias = tuple[float, float] | None  # None where a value says nothing about what is sensible

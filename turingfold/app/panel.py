@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..drawing import INK
+from ..figures.style import INK
 from .knobs import Knob, Settings, knobs, parts, removable
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from ..arrays import Array
-from ..body import Body
-from ..drawing import INK, MM, copies, core, edge, frame, shaded
-from ..panels import GRAY
-from ..plots import outline, peaks, scale_bar, section
-from ..results import Result, pial_closed
+from ..figures.grids import GRAY
+from ..figures.sections import outline, peaks, scale_bar, section
+from ..figures.style import INK, MM, copies, core, edge, frame, shaded
+from ..geometry.body import Body
+from ..results.result import Result, pial_closed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from time import perf_counter
 
-from ..mechanics.march import Progress, Step, begin, march
-from ..results import Result, Row
-from ..scene import Scene, State
+from ..results.result import Result, Row
+from ..scene import Scene
+from ..solve.march import Progress, Step, begin, march
+from ..state import State
 
 
 class Trial:

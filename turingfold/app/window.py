@@ -6,11 +6,13 @@ import textwrap
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
-from ..drawing import INK
-from ..plots import measures
-from ..scene import Scene, SolveError
+from ..errors import SolveError
+from ..figures.sections import measures
+from ..figures.style import INK
+from ..outlines.line import LEFT
+from ..scene import Scene
 from .knobs import Settings
-from .panel import BESIDE, BLUE, CHOICE, INDENT, LEFT, Panel
+from .panel import BESIDE, BLUE, CHOICE, INDENT, Panel
 from .picture import TISSUE, VIEWS, Before, Box, extent, picture
 from .trial import Trial
 

@@ -13,8 +13,8 @@ from scipy.spatial import cKDTree
 from skfem import MeshTri1, MeshTri2
 
 from ..arrays import Array, Integers
-from ..body import BASES, Body
 from ..checks import between, finite_array, instance, one_of, positive
+from ..geometry.body import BASES, Body
 from .fill import Frame, Size, fill
 from .line import Line, line
 from .offset import interface, onto_base, refuse_thick

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import Delaunay, cKDTree
 
 from ..arrays import Array, Integers
-from ..polygon import inside
+from ..geometry.polygon import inside
 
 Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import Voronoi, cKDTree
 
 from ..arrays import Array, Booleans
-from ..polygon import inside, intersections
+from ..geometry.polygon import inside, intersections
 from .line import Line
 
 FINE = 24  # samples per thickness

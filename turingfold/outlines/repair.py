@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import real_array
-from ..polygon import area, intersections
+from ..geometry.polygon import area, intersections
 
 FEWEST = 8
 MERGE = 1e-9  # points closer than this share of the extent are one point

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import positive
-from ..scene import NotConvergedError
+from ..errors import NotConvergedError
 from .modes import Mode
 from .reaction_diffusion import ReactionDiffusion
 from .stability import Conditions

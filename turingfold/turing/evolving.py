@@ -10,12 +10,13 @@ import numpy as np
 from skfem import MeshTri2
 
 from ..arrays import Array
-from ..body import Body
 from ..checks import positive
-from ..scene import NotConvergedError, State
+from ..errors import NotConvergedError
+from ..geometry.body import Body
+from ..state import State
+from .integrators.rosenbrock import march
 from .process import Design, Turing, normalised, refuse_negative
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
-from .rosenbrock import march
 
 
 @dataclass(frozen=True)

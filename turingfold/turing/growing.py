@@ -14,9 +14,9 @@ from typing import ClassVar
 
 from ..arrays import Array
 from ..checks import finite, positive, whole
-from .kinetics import Four, Kinetics, Pair, Point
+from .integrators.rosenbrock import Moment, march
+from .kinetics.base import Four, Kinetics, Pair, Point
 from .reaction_diffusion import ReactionDiffusion
-from .rosenbrock import Moment, march
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from ..arrays import Array, Integers
-from .linear import factorised
+from .linear.direct import factorised
 from .reaction_diffusion import Discretisation
 from .stability import Conditions, oriented
 

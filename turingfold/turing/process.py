@@ -9,10 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..body import Body
 from ..checks import one_of, positive, whole
-from ..scene import InadmissibleStateError, State
-from .kinetics import Kinetics
+from ..errors import InadmissibleStateError
+from ..geometry.body import Body
+from ..state import State
+from .kinetics.base import Kinetics
 from .modes import Mode, mode_with
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .stability import Conditions, at_ratio

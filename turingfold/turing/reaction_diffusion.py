@@ -16,10 +16,10 @@ from skfem.models.poisson import laplace, mass
 
 from ..arrays import Array
 from ..checks import finite_array, positive
-from ..triangles import straight_mesh
-from .kinetics import Kinetics
-from .linear import Blocks, Pattern, Solver
-from .multigrid import TwoLevel, prolongation
+from ..geometry.triangles import straight_mesh
+from .kinetics.base import Kinetics
+from .linear.direct import Blocks, Pattern, Solver
+from .linear.multigrid import TwoLevel, prolongation
 
 LARGE = 40_000  # linear nodes from which two levels beat a factorisation; see multigrid.py
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import Body
-from .kinetics import Kinetics
+from ..geometry.body import Body
+from .kinetics.base import Kinetics
 from .modes import Mode, isolating_ratio, spectrum
 from .process import Turing
 from .stability import Conditions, dispersion, oriented

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..checks import finite_array, one_of, positive
-from .kinetics import Kinetics, Point
+from .kinetics.base import Kinetics, Point
 
 NAN = float("nan")
 

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigs
 
 from ..arrays import Array
-from ..scene import NotConvergedError
+from ..errors import NotConvergedError
+from .integrators.rosenbrock import march
 from .reaction_diffusion import ReactionDiffusion
-from .rosenbrock import march
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,91 @@
+"""Every case: its form, the start of each of its scenes, and, slow, its quick version with its figure."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from turingfold import simulate
+from turingfold.cli.case import folder_name, load_case
+from turingfold.cli.main import main
+from turingfold.results.codec import decode
+from turingfold.results.document import stored
+
+CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.py"))
+FIRST = "figure3"  # the one that is run to its end here; the others are slow
+
+
+def data_or_skip(path):
+    """Skip the case whose input is the user's own, where it is not there."""
+    if path.stem == "ferret_outlines" and not load_case(path).module.FOLDER.is_dir():
+        pytest.skip("the ferret outlines are not here")
+
+
+def slow_if_long(path):
+    """Mark the families that take a while to build their scenes, or to start them."""
+    long = path.stem.startswith(("ferret", "turing"))
+    return pytest.param(path, id=path.stem, marks=pytest.mark.slow if long else ())
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_a_case_says_what_it_is_and_how_to_run_it(path):
+    case = load_case(path)
+    assert case.title.endswith((" s.", " min.", " h."))  # the run time
+    assert f"turingfold run cases/{path.name}" in case.module.__doc__
+    assert case.draw is not None
+
+
+@pytest.mark.parametrize("path", [slow_if_long(path) for path in CASES])
+def test_scenes_start_and_can_be_stored(path):
+    data_or_skip(path)
+    case = load_case(path)
+    quick = case.scenes(quick=True)
+    assert case.scenes(quick=False)
+    name, scene = next(iter(quick.items()))
+    document, arrays = stored(scene)
+    again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays, known=case.known)
+    assert again.processes == scene.processes
+    assert again.terms == scene.terms
+    first = replace(scene, until=scene.until * scene.stepping.first)
+    assert simulate(first).summary()["converged"] is True, name
+
+
+def check_run(path, out):
+    """Run and draw a quick case and return the summaries of its scenes."""
+    case = load_case(path)
+    assert main(["run", str(path), "--quick", "--out", str(out)]) == 0
+    assert (out / case.name / f"{case.name}.png").stat().st_size > 10_000
+    summaries = {}
+    for name in case.scenes(quick=True):
+        file = out / case.name / folder_name(name) / "summary.json"
+        summaries[name] = summary = json.loads(file.read_text())
+        assert summary["converged"] is True
+        assert summary["self_intersections"] == 0
+        assert summary["min_jacobian"] > 0
+    return summaries
+
+
+def test_figure_3_has_a_gyrus_on_each_peak(tmp_path):
+    (path,) = [path for path in CASES if path.stem == FIRST]
+    (summary,) = check_run(path, tmp_path).values()
+    # 24 half waves have troughs at 12 places: a sulcus in each
+    assert summary["folds"] == 12
+    assert summary["registration"] > 0.8
+    assert summary["mirror_error"] < 1e-3 * 2.5e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in CASES if path.stem != FIRST], ids=lambda path: path.stem)
+def test_a_quick_case_runs_and_draws(path, tmp_path):
+    data_or_skip(path)
+    check_run(path, tmp_path)
+
+
+@pytest.mark.slow
+def test_where_the_tension_acts_decides_what_stands_on_the_peaks(tmp_path):
+    path = next(path for path in CASES if path.stem == "tension_placement")
+    summaries = check_run(path, tmp_path)
+    assert summaries["pial, towards peaks, 24 half waves"]["registration"] < -0.5
+    assert summaries["pial, between peaks, 24 half waves"]["registration"] > 0.5
+    assert summaries["interface, 24 half waves"]["registration"] > 0.8

@@ -1,0 +1,106 @@
+"""The ferret family's statements do not hang on the seed of the imperfection."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import eigsh
+from test_ferret import CASES, folds, index
+
+from turingfold import Stepping, simulate
+from turingfold.cli.case import load_case
+from turingfold.geometry.body import by_node
+from turingfold.morphometry.walls import self_intersections
+from turingfold.terms.dynamics import Mass
+
+SEEDS = (0, 1, 2, 3)
+
+
+def mesh_brain(finer, seed):
+    return load_case(CASES / "ferret_mesh.py").module.brain(finer, seed)
+
+
+def places(result):
+    """Return the sulci's places as shares of the surface, of the whole brain where half is computed."""
+    return folds(result).sulci / (result.pial().shape[1] - 1)
+
+
+def least_eigenvalue(scene, state):
+    """Return the least eigenvalue of the energy's Hessian without drag, per mass of density 1."""
+    body, x = scene.body, by_node(state["displacement"])
+    mass = Mass(body, 1.0)
+    free = np.setdiff1d(np.arange(len(x)), body.supported)
+
+    def matrix(rows, columns, values):
+        lower = csc_matrix((np.ravel(values), (np.ravel(rows), np.ravel(columns))), shape=2 * x.shape)
+        whole = lower + lower.T
+        whole.setdiag(lower.diagonal())
+        return whole[free][:, free]
+
+    elastic, walls, _ = scene.terms
+    total = csc_matrix(2 * free.shape)
+    for term in (elastic, walls):
+        at = term.on(body).during(state, 1.0).evaluate(x)
+        if at.curved:
+            hessian = at.hessian(0.0)
+            total = total + matrix(hessian.rows, hessian.columns, hessian.values)
+    weights = matrix(mass.rows, mass.columns, mass.twice)
+    return eigsh(total, 1, weights, sigma=-400.0, return_eigenvectors=False)[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_folds_do_not_depend_on_the_mesh_for_any_seed(seed):
+    coarse, fine = (simulate(mesh_brain(finer, seed)) for finer in (1, 4))
+    assert folds(coarse).count == folds(fine).count >= 8
+    assert places(coarse) == pytest.approx(places(fine), abs=0.02)  # a fifth of their distance
+    assert index(coarse) == pytest.approx(index(fine), rel=0.02)
+
+
+@pytest.mark.slow
+def test_folds_do_not_depend_on_the_time_step():
+    scene = mesh_brain(1, 1)
+    halved = replace(scene, stepping=Stepping(first=1 / 80, largest=1 / 80))
+    results = [simulate(scene), simulate(halved)]
+    assert folds(results[0]).count == folds(results[1]).count
+    assert places(results[0]) == pytest.approx(places(results[1]), abs=0.02)
+    assert index(results[0]) == pytest.approx(index(results[1]), rel=0.005)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_steps_resolve_the_motion_past_the_onset(seed):
+    scene = mesh_brain(1, seed)
+    result = simulate(scene)
+    least = min(least_eigenvalue(scene, state) for state in result.states[20::2])
+    damping = scene.terms[2].coefficient / (scene.stepping.largest * scene.until)
+    assert -damping < least < -10.0  # unstable without drag, a minimum with it
+    assert max(row["negative_pivots"] for row in result.history) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_local_changes_act_in_their_zone_for_any_seed(seed):
+    scenes = load_case(CASES / "ferret_local.py").scenes(quick=False, only=("normal", "2 g", "0.25 T"))
+    middle, apart = {}, {}
+    for name, scene in scenes.items():
+        result = simulate(replace(scene, seed=seed))
+        at, depths = places(result), folds(result).depths
+        zone = np.abs(at - 0.5) < 0.15
+        middle[name] = zone.sum(), depths[zone].mean()
+        # sulci beyond the zone's half width and smooth edge, on either side: how far apart
+        apart[name] = np.concatenate([np.diff(at[at < 0.28]), np.diff(at[at > 0.72])])
+    assert middle["2 g"][1] > 1.2 * middle["normal"][1]
+    assert middle["0.25 T"][0] >= 2 * middle["normal"][0]
+    assert apart["0.25 T"].min() > 0.6 * apart["normal"].mean()  # fine folds would be 0.25 as far apart
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_stages_can_be_traced_and_deepen_for_any_seed(seed):
+    stages = load_case(CASES / "ferret_stages.py").module.stages(seed)
+    results = [simulate(scene) for scene in stages.values()]
+    assert (np.diff([index(result) for result in results]) > 0.05).all()
+    for result in results:
+        assert self_intersections(result.pial(), closed=True) == 0

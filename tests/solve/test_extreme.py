@@ -1,0 +1,205 @@
+"""Stiff and extreme scenes: each finishes, or stops with a named reason and a last good state."""
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from skfem import MeshTri1
+
+from turingfold.errors import NotConvergedError
+from turingfold.geometry.body import Body
+from turingfold.geometry.shapes import semiellipse
+from turingfold.growth.laws import TangentialGrowth
+from turingfold.morphometry.walls import self_intersections
+from turingfold.outlines import outline
+from turingfold.scene import Scene
+from turingfold.solve.march import begin, march
+from turingfold.stepping import Stepping
+from turingfold.terms.contact import SelfContact
+from turingfold.terms.elastic.material import NeoHookean
+from turingfold.terms.elastic.term import Elastic
+from turingfold.terms.tension import AxonalTension
+
+RADIUS, TENSION = 0.0404, 0.5
+
+
+def scene(
+    *, poisson=0.4583, ratio=1.364, share=0.0619, growth=1.9, aspect=1.0, layers=2, tension=TENSION,
+    seconds=60.0, unit=1.0,
+):
+    """Document 1's scene; share: thickness over half the width, ratio: white over gray, unit: m per unit."""
+    radius = RADIUS / unit
+    thickness = share * radius
+    body = semiellipse(
+        width=2 * radius, height=aspect * radius, thickness=thickness, size=thickness / layers
+    )
+    gray, white = (NeoHookean.from_young(young, poisson) for young in (1389.0, 1389.0 * ratio))
+    terms = [Elastic(gray=gray, white=white, layers="sharp"), SelfContact()]
+    if tension:
+        terms.append(AxonalTension(strength=tension / unit, patches=12))
+    growing = TangentialGrowth(cortex=growth, layers="sharp")
+    return Scene(body=body, terms=tuple(terms), processes=(growing,), stepping=Stepping(seconds=seconds))
+
+
+def examine(made):
+    """March; check every accepted state; return the steps and the error that stopped them, if any."""
+    steps, stopped = [], None
+    try:
+        for step, _ in march(made, begin(made)):
+            steps.append(step)
+            check(made, step)
+    except NotConvergedError as error:
+        stopped = error
+    if stopped is not None:
+        assert stopped.time == (steps[-1].state.time if steps else 0.0)
+        assert f"t = {stopped.time:.6g}" in str(stopped)
+        assert "Try " in str(stopped)
+    return steps, stopped
+
+
+def check(made, step):
+    body, numbers = made.body, step.numbers
+    assert all(np.isfinite(values).all() for values in step.state.fields.values())
+    assert numbers["min_jacobian"] > 0
+    assert numbers["residual"] <= made.stepping.tolerance
+    pial = (body.nodes + step.state["displacement"])[:, body.pial]
+    assert self_intersections(pial, closed=body.pial_curve.closed) == 0
+
+
+EASY = {
+    "compressible": {"poisson": 0.3},
+    "one element": {"layers": 1},
+    "thick": {"share": 0.3},
+    "no noise, no load": {"tension": 0.0},
+    "shrinking to a fifth": {"growth": 0.2},
+    "growth of 4": {"growth": 4.0},
+    "stiff core": {"ratio": 1e3},
+}
+HARD = {
+    "ten times the tension": {"tension": 10 * TENSION},
+    "pushing": {"tension": -TENSION},
+    "soft core": {"ratio": 1e-2},
+    "very soft core": {"ratio": 1e-3},
+    "flat": {"aspect": 0.3, "share": 0.03},
+    "steep": {"aspect": 4.0, "share": 0.05},
+    "flatter": {"aspect": 0.2, "share": 0.015},
+    "steeper": {"aspect": 5.0, "share": 0.05},
+    "thin": {"share": 0.01, "layers": 1},
+    "hundred times the tension": {"tension": 100 * TENSION},
+    "nearly incompressible": {"poisson": 0.499},
+    "almost incompressible": {"poisson": 0.499999},
+    "twelve elements": {"layers": 12},
+}
+
+
+@pytest.mark.parametrize("name", EASY)
+def test_reaches_the_end(name):
+    steps, stopped = examine(scene(**EASY[name]))
+    assert stopped is None
+    assert steps[-1].state.time == 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HARD)
+def test_finishes_or_says_why_not(name):
+    steps, stopped = examine(scene(**HARD[name]))
+    assert stopped is not None or steps[-1].state.time == 1.0
+    assert steps
+
+
+def ring(radius, angle):
+    """Return points (2, n) at angles from the top, counter-clockwise."""
+    return radius * np.stack([-np.sin(angle), np.cos(angle)])
+
+
+def cleft_between_three_lobes(growth):
+    """A disc in a close skull, grown all through: its cleft opens into a hollow of three arms, (skull, m)."""
+    slot, hollow, arms, skull = 0.08, 0.24, 0.35, 1.04
+    mouth = hollow * (1 + arms)
+    inner = np.linspace(2 * np.pi - np.arcsin(slot / mouth), np.arcsin(slot / mouth), 120)
+    wall = np.stack([np.full(18, slot), np.linspace(1.0, mouth, 20)[1:-1]])
+    hollowed = ring(hollow * (1 + arms * np.cos(3 * inner)), inner)
+    outside = ring(1.0, np.linspace(slot, 2 * np.pi - slot, 150))
+    opposite = wall[:, ::-1] * [[-1.0], [1.0]]
+    points = np.concatenate([outside, wall, hollowed, opposite], axis=1)
+    body = outline(points, thickness=0.14, size=0.08, smooth=0.05, tight="trim")
+    around = ring(skull, 2 * np.pi * np.append(np.arange(240), 0) / 240)
+    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), SelfContact(skull=around))
+    growing = TangentialGrowth(cortex=growth, core=growth, layers="sharp")
+    return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=60.0)), skull
+
+
+def between_lobes(body, moved):
+    """Return how far the most enclosed point of the hollow is from the farthest of its three walls; m."""
+    closed = np.append(body.pial, body.pial[0])
+    places = np.linspace(0, len(closed) - 1, 10 * len(closed))
+    rest, now = (
+        np.stack([np.interp(places, np.arange(len(closed)), row) for row in points[:, closed]])
+        for points in (body.nodes, moved)
+    )
+    lobe = np.floor(np.mod(np.arctan2(-rest[0], rest[1]), 2 * np.pi) / (2 * np.pi / 3))
+    near = np.stack(np.meshgrid(*2 * [np.linspace(-0.2, 0.2, 161)])).reshape(2, -1)
+    walls = (now[:, (np.hypot(*rest) < 0.4) & (lobe == k)] for k in range(3))
+    return np.max([cKDTree(wall.T).query(near.T)[0] for wall in walls], axis=0).min()
+
+
+def test_walls_pressed_together_from_three_sides():
+    made, skull = cleft_between_three_lobes(1.8)
+    steps, stopped = examine(made)
+    assert stopped is not None or steps[-1].state.time == 1.0
+    last = steps[-1]
+    moved = made.body.nodes + last.state["displacement"]
+    operator = made.terms[1].on(made.body)
+    dhat = operator.dhat * operator.unit
+    assert 0 < last.numbers["min_gap"] < dhat
+    assert np.hypot(*moved).max() < skull
+    assert between_lobes(made.body, made.body.nodes) > 25 * dhat
+    assert between_lobes(made.body, moved) < 4 * dhat
+
+
+def test_time_limit():
+    made = replace(scene(), stepping=Stepping(seconds=1e-3))
+    steps, stopped = examine(made)
+    assert "time limit" in str(stopped)
+    assert not steps
+
+
+def test_binary_units_change_not_one_bit():
+    """Lengths in units of 2^-10 m only change exponents, unless some tolerance is an absolute length."""
+    metres, _ = examine(scene(layers=1))
+    others, _ = examine(scene(layers=1, unit=2.0**-10))
+    for one, other in zip(metres, others, strict=True):
+        assert one.numbers["newton_iterations"] == other.numbers["newton_iterations"]
+        assert np.array_equal(one.state["displacement"], 2.0**-10 * other.state["displacement"])
+
+
+def test_millimetres_take_the_same_steps_as_metres():
+    """The same body in mm, moduli in Pa: line tension and lengths are 1000 times larger, and rounded anew."""
+    metres, _ = examine(scene())
+    millimetres, _ = examine(scene(unit=1e-3))
+    for one, other in zip(metres, millimetres, strict=True):
+        assert one.numbers["newton_iterations"] == other.numbers["newton_iterations"]
+        assert one.numbers["factorizations"] == other.numbers["factorizations"]
+        assert one.state.time == other.state.time
+        shift = one.state["displacement"]
+        assert 1e-3 * other.state["displacement"] == pytest.approx(shift, abs=1e-7 * RADIUS)
+
+
+def test_two_runs_give_the_same_bytes():
+    one, other = (examine(scene(layers=1))[0][-1] for _ in range(2))
+    assert one.state["displacement"].tobytes() == other.state["displacement"].tobytes()
+
+
+def test_slivers_stretch_as_exactly_as_good_triangles():
+    """Triangles 10⁴ times longer than high: growth along them alone stays free of stress."""
+    mesh = MeshTri1.init_tensor(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1e-4, 5))
+    sides = {"pial": lambda x: x[1] > 0.99e-4, "base": lambda x: x[1] == 0.0}
+    body = Body(mesh.with_boundaries(sides), 0.5e-4, "roller")
+    solid = Elastic(gray=NeoHookean(1.0, 5.0))
+    growth = TangentialGrowth(cortex=1.3, core=1.3, layers="sharp")
+    made = Scene(body=body, terms=(solid,), processes=(growth,))
+    for step, _ in march(made, begin(made)):
+        assert step.numbers["negative_pivots"] == 0
+    stretched = body.nodes[0] + step.state["displacement"][0]
+    assert np.ptp(stretched) == pytest.approx(1.3, rel=1e-9)
+    assert step.observe()["von_mises"].max() < 1e-7

@@ -1,0 +1,82 @@
+"""A march that goes on from a checkpoint takes the same steps to the last bit, whatever acts in it."""
+import numpy as np
+import pytest
+
+from turingfold import (
+    Drag,
+    Elastic,
+    Inertia,
+    NeoHookean,
+    Scene,
+    SelfContact,
+    Stepping,
+    StiffnessDamping,
+    TangentialGrowth,
+    semicircle,
+)
+from turingfold.results.files import read_arrays, write_arrays
+from turingfold.results.folder import Checkpoint, _arrays, _checkpoint
+from turingfold.solve.march import begin, march
+from turingfold.solve.newton import NEAR
+
+SOLID = Elastic(gray=NeoHookean.from_young(1.0, 0.4))
+MIXED = Elastic(gray=NeoHookean.from_young(1.0, 0.4), element="mixed")
+WALLS = SelfContact()
+MIDPOINT = (Inertia(density=0.05, scheme="midpoint"), Drag(coefficient=0.5, scheme="midpoint"))
+SCENES = {
+    "contact": (SOLID, WALLS),
+    "drag": (SOLID, WALLS, Drag(coefficient=0.5)),
+    "damping": (SOLID, StiffnessDamping(elastic=SOLID, time=0.05)),
+    "inertia": (SOLID, Inertia(density=0.05)),
+    "midpoint": (SOLID, *MIDPOINT),
+    "mixed": (MIXED, Drag(coefficient=0.5)),
+}
+
+
+def stored(progress, file):
+    write_arrays(file, _arrays(Checkpoint(progress, 1, 0.0, {})))
+    return _checkpoint(read_arrays(file)).progress
+
+
+def numbers(step):
+    return {name: value for name, value in step.numbers.items() if name != "seconds"}
+
+
+@pytest.mark.parametrize("solver", ["auto", "superlu"])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_restart_repeats_every_bit(name, solver, tmp_path):
+    body = semicircle(radius=1.0, thickness=0.25, size=0.2)
+    # steps of lengths that time's round-off does not give back
+    steps = Stepping(first=0.03, largest=0.083, solver=solver)
+    grow = TangentialGrowth(cortex=2.2)
+    scene = Scene(body=body, terms=SCENES[name], processes=(grow,), until=1.7, stepping=steps)
+    path = list(march(scene, begin(scene)))
+    for (_, progress), (expected, _) in zip(path[:-1:2], path[1::2], strict=False):
+        again, _ = next(march(scene, stored(progress, tmp_path / "checkpoint.npz")))
+        assert numbers(again) == pytest.approx(numbers(expected), rel=0, abs=0, nan_ok=True)
+        for field, values in expected.state.fields.items():
+            assert np.array_equal(again.state[field], values), field
+
+
+def test_a_restart_before_a_tangent_made_at_the_guess_repeats_every_bit(tmp_path):
+    body = semicircle(radius=1.0, thickness=0.25, size=0.2)
+    steps = Stepping(first=1 / 60, largest=1 / 60)
+    scene = Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(cortex=1.6),), stepping=steps)
+    path = list(march(scene, begin(scene)))
+    good = [k for k, (_, progress) in enumerate(path[:-1]) if progress.memory.missed < NEAR]
+    assert len(good) > 20
+    for k in good[::5]:
+        again, _ = next(march(scene, stored(path[k][1], tmp_path / "checkpoint.npz")))
+        expected = path[k + 1][0]
+        assert numbers(again) == pytest.approx(numbers(expected), rel=0, abs=0, nan_ok=True)
+        assert np.array_equal(again.state["displacement"], expected.state["displacement"])
+
+
+def test_a_checkpoint_without_word_of_the_last_guess_is_gone_on_with(tmp_path):
+    body = semicircle(radius=1.0, thickness=0.25, size=0.2)
+    scene = Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(cortex=1.2),))
+    *_, (_, progress) = march(scene, begin(scene))
+    arrays = _arrays(Checkpoint(progress, 1, 0.0, {}))
+    del arrays["memory.missed"]
+    write_arrays(tmp_path / "checkpoint.npz", arrays)
+    assert _checkpoint(read_arrays(tmp_path / "checkpoint.npz")).progress.memory.missed == np.inf

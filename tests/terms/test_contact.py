@@ -1,0 +1,341 @@
+"""Self-contact: derivatives, balance, collision-free steps, obstacles, and the size of the barrier."""
+import ipctk
+import numpy as np
+import pytest
+from checks import check_semidefinite, check_term, message_names
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from skfem import MeshTri1
+
+from turingfold.geometry.body import Body
+from turingfold.geometry.mirror import half
+from turingfold.geometry.shapes import semicircle
+from turingfold.growth.laws import TangentialGrowth
+from turingfold.outlines import outline
+from turingfold.scene import Scene
+from turingfold.solve.march import begin, march
+from turingfold.state import State
+from turingfold.stepping import Stepping
+from turingfold.terms.contact import SelfContact
+from turingfold.terms.elastic.material import NeoHookean
+from turingfold.terms.elastic.term import Elastic
+
+SLOT = 0.3
+
+
+def slotted(base="free", size=0.25, slot=SLOT):
+    """Return a block of two columns with a slot of depth 1 and this width between them, from x = 1 on."""
+    x = np.concatenate([np.arange(0, 1 + 1e-9, size), np.arange(0, 1 + 1e-9, size) + 1 + slot])
+    y = np.arange(0, 1.5 + 1e-9, size)
+    mesh = MeshTri1.init_tensor(x, y)
+    centre = mesh.p[:, mesh.t].mean(1)
+    inside = (centre[0] > 1) & (centre[0] < 1 + slot) & (centre[1] > 0.5)
+    mesh = mesh.remove_elements(np.flatnonzero(inside))
+    return Body(mesh.with_boundaries({"pial": lambda p: p[1] > 0, "base": lambda p: p[1] == 0}), 0.2, base)
+
+
+def state_of(body, scale=1.0):
+    return State(1.0, {"displacement": np.zeros_like(body.nodes), "stress_scale": np.array(scale)})
+
+
+def closed(body, gap, slot=SLOT):
+    """Return the displacement that moves the right column until the slot has this width."""
+    shift = np.where((body.nodes[0] > 1) & (body.nodes[1] > 0.5), gap - slot, 0.0)
+    return np.stack([shift, np.zeros_like(shift)]).T.ravel()
+
+
+def test_contact_passes_the_examination():
+    body = slotted()
+    dhat = 0.4 * 0.125
+    rng = np.random.default_rng(0)
+    noise = 0.05 * dhat * rng.standard_normal((2, 2 * body.nodes.shape[1]))
+    samples = list(closed(body, 0.5 * dhat) + noise)
+    term, state, step = SelfContact(), state_of(body), 0.003 * dhat
+    check_term(term, body, state, samples, step=step, other=SelfContact(stiffness=2.0))
+    check_term(SelfContact(gap=0.8), body, state, samples, step=step, other=SelfContact(gap=0.7))
+
+
+def test_the_clamped_hessian_has_no_negative_eigenvalue():
+    body = slotted(size=0.5)
+    noise = 0.004 * np.random.default_rng(0).standard_normal(2 * body.nodes.shape[1])
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    true, _ = check_semidefinite(potential, closed(body, 0.04) + noise)
+    assert true < 0
+
+
+def test_without_contact_there_is_no_energy():
+    body = slotted()
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    here = potential.evaluate(np.zeros(2 * body.nodes.shape[1]))
+    assert here.energy == 0.0
+    assert not here.curved
+    assert not here.gradient()[0].any()
+
+
+def test_the_traction_is_uniform_and_grows_with_stiffness_and_stress():
+    # between flat walls every inner vertex carries its share of the wall, middles and corners alike
+    body = slotted(size=0.125)
+    found = []
+    for stiffness, scale in ((1.0, 1.0), (0.5, 7.0)):
+        potential = SelfContact(stiffness=stiffness).on(body).during(state_of(body, scale), 0.1)
+        force = -potential.evaluate(closed(body, 0.0125)).gradient()[0].reshape(-1, 2)
+        found.append(force[np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
+                           & (body.nodes[1] > 0.7) & (body.nodes[1] < 1.3)])
+        assert len(found[-1]) == 9
+        np.testing.assert_allclose(found[-1][:, 0], found[-1][0, 0], rtol=1e-9)
+        assert np.abs(found[-1][:, 1]).max() < 1e-9 * found[-1][0, 0]
+    assert found[0].max() > 0
+    np.testing.assert_allclose(found[1], 3.5 * found[0], rtol=1e-9, atol=1e-12)
+
+
+def test_the_traction_does_not_depend_on_the_mesh():
+    # the same dhat on two meshes: force per length of flat wall
+    found = []
+    for size, gap in ((0.25, 0.2), (0.125, 0.4), (0.0625, 0.8)):
+        body = slotted(size=size)
+        potential = SelfContact(gap=gap).on(body).during(state_of(body), 0.1)
+        force = -potential.evaluate(closed(body, 0.0125)).gradient()[0].reshape(-1, 2)
+        wall = np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
+        inner = wall & (body.nodes[1] > 0.74) & (body.nodes[1] < 1.26)
+        found.append(force[inner, 0].mean() / (size / 2))
+    assert found[0] > 0
+    np.testing.assert_allclose(found, found[0], rtol=1e-6)
+
+
+def test_the_smallest_gap_is_the_one_between_the_walls():
+    body = slotted()
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    assert potential.measure(closed(body, 0.021))["min_gap"] == pytest.approx(0.021, rel=1e-9)
+
+
+@settings(derandomize=True, max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10_000), size=st.floats(0.01, 10.0))
+def test_no_step_within_the_bound_makes_walls_cross(seed, size):
+    body = slotted()
+    operator = SelfContact().on(body)
+    potential = operator.during(state_of(body), 0.1)
+    d = size * np.random.default_rng(seed).standard_normal(2 * body.nodes.shape[1])
+    bound = potential.largest_step(np.zeros_like(d), d)
+    assert 0 < bound <= 1
+    for share in (0.25, 0.5, 0.75, 1.0):
+        assert not ipctk.has_intersections(operator.mesh, operator.positions(share * bound * d))
+
+
+def test_a_full_step_through_the_other_wall_is_refused():
+    body = slotted()
+    operator = SelfContact().on(body)
+    potential = operator.during(state_of(body), 0.1)
+    through = closed(body, -0.9)
+    assert not ipctk.has_intersections(operator.mesh, operator.positions(closed(body, 0.1)))
+    bound = potential.largest_step(np.zeros_like(through), through)
+    # the walls meet after 0.3 of 1.2; nine tenths of a conservative bound
+    assert 0.2 < bound < SLOT / 1.2
+
+
+def test_a_step_that_is_not_finite_is_refused():
+    body = slotted()
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    d = np.zeros(2 * body.nodes.shape[1])
+    assert potential.largest_step(d, d) == 1.0
+    d[2 * body.pial[3]] = np.nan
+    assert potential.largest_step(np.zeros_like(d), d) == 0.0
+
+
+@pytest.mark.parametrize("outward", [0.4, 8.0])
+@pytest.mark.parametrize("base", ["clamped", "roller", "free"])
+def test_the_base_line_goes_on_outside_the_body(base, outward):
+    body = semicircle(radius=1.0, thickness=0.3, size=0.15, base=base)
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    d = np.zeros((body.nodes.shape[1], 2))
+    node = body.pial[1] if body.nodes[0, body.pial[0]] > 0 else body.pial[-2]
+    d[node] = outward, -0.3  # outward and under the base line, past no wall of the body
+    bound = potential.largest_step(np.zeros(d.size), d.ravel())
+    if base == "free":
+        assert bound == 1.0
+    else:
+        height = body.nodes[1, node]
+        assert 0.5 * height / 0.3 < bound < height / 0.3
+
+
+def test_the_mirror_line_is_an_obstacle_of_half_a_body():
+    body = half(semicircle(radius=1.0, thickness=0.3, size=0.15))
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    d = np.zeros((body.nodes.shape[1], 2))
+    near = [k for k in body.pial if 0 < body.nodes[0, k] < 0.2]
+    d[near] = -0.5, 0.4
+    bound = potential.largest_step(np.zeros(d.size), d.ravel())
+    after = body.nodes[0, near] + bound * d[near, 0]
+    assert bound < 1
+    assert after.min() > 0
+
+
+def test_the_hessian_has_room_for_contacts_to_come():
+    body = slotted()
+    dhat = 0.05
+    potential = SelfContact().on(body).during(state_of(body), 0.1)
+    early = potential.evaluate(closed(body, 0.9 * dhat)).hessian(0.0)
+    later = potential.evaluate(closed(body, 0.3 * dhat)).hessian(0.0)
+    rows, columns = early.room()
+    places = set(zip(rows.ravel().tolist(), columns.ravel().tolist(), strict=True))
+    assert {(r, c) for r, c in zip(later.rows.tolist(), later.columns.tolist(), strict=True)} <= places
+
+
+def test_energy_scales_with_the_body_and_its_stress():
+    # the same body in mm with the same stresses: energy per depth 1e6 times as large, forces 1e3 times
+    body = slotted()
+    mesh = MeshTri1(1e3 * body.mesh.p, body.mesh.t).with_boundaries(body.mesh.boundaries)
+    large = Body(mesh, 200.0, "free")
+    x = closed(body, 0.02)
+    one = SelfContact().on(body).during(state_of(body, 3.0), 0.1).evaluate(x)
+    other = SelfContact().on(large).during(state_of(large, 3.0), 0.1).evaluate(1e3 * x)
+    assert other.energy == pytest.approx(1e6 * one.energy, rel=1e-9)
+    forces = 1e3 * one.gradient()[0]
+    np.testing.assert_allclose(other.gradient()[0], forces, atol=1e-9 * forces.max())
+
+
+def test_the_scene_gives_the_scale_of_stress():
+    body = slotted()
+    terms = (Elastic(gray=NeoHookean(476.0, 5551.0), white=NeoHookean(650.0, 7574.0)), SelfContact())
+    state = begin(Scene(body=body, terms=terms)).state
+    dhat = 0.05
+    operator, x = SelfContact().on(body), closed(body, 0.5 * dhat)
+    found = operator.during(state, 0.1).evaluate(x).energy
+    assert found == operator.during(state_of(body, 650.0), 0.1).evaluate(x).energy > 0
+
+
+def folded(gap):
+    """Return the length of the folded surface; check on the way that no accepted step crosses a wall."""
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    contact = SelfContact(gap=gap)
+    operator = contact.on(body)
+    scene = Scene(
+        body=body, terms=(Elastic(gray=NeoHookean(1.0, 5.0)), contact), until=0.7,
+        processes=(TangentialGrowth(cortex=2.6),), stepping=Stepping(first=0.05, largest=0.05),
+    )
+    for step, _ in march(scene, begin(scene)):
+        assert not ipctk.has_intersections(operator.mesh, operator.positions(step.x))
+    assert step.numbers["min_gap"] < operator.dhat * operator.unit
+    at = (body.nodes + step.state["displacement"])[:, body.pial]
+    return float(np.hypot(*np.diff(at)).sum())
+
+
+@pytest.mark.slow
+def test_the_folded_surface_hardly_depends_on_the_barrier():
+    wide, narrow = folded(0.4), folded(0.2)
+    assert wide > 1.2 * np.pi  # it has folded
+    assert abs(wide / narrow - 1) < 0.01
+
+
+def test_a_body_that_touches_itself_at_rest_is_refused():
+    # at the tips of a rhombus, of 11 degrees, the walls are sin 11° = 0.2 edges apart
+    points = np.array([[0.0, 1.0, 2.0, 1.0], [0.0, -0.1, 0.0, 0.1]])
+    mesh = MeshTri1(points, np.array([[0, 1], [1, 2], [3, 3]])).refined(2)
+    with pytest.raises(ValueError, match="dhat") as failure:
+        SelfContact(gap=0.4).on(Body(mesh.with_boundaries({"pial": mesh.boundary_facets()}), 0.02, "free"))
+    message_names(failure.value, "gap", "m;")
+
+
+@pytest.mark.parametrize(
+    ("name", "bad"),
+    [("gap", 0.0), ("gap", 0.95), ("gap", float("nan")), ("stiffness", -1.0), ("stiffness", None)],
+)
+def test_bad_input_is_refused(name, bad):
+    with pytest.raises(ValueError, match=name):
+        SelfContact(**{name: bad})
+
+
+def test_skull_confines_the_folding_brain():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    angle = np.linspace(0.02, np.pi - 0.02, 200)
+    radius = 1.05
+    skull = radius * np.stack([np.cos(angle), np.sin(angle)])
+    solid, growth = Elastic(gray=NeoHookean(1.0, 5.0)), TangentialGrowth(cortex=1.9)
+    outside = {}
+    for name, contact in (("free", SelfContact()), ("skull", SelfContact(skull=skull))):
+        scene = Scene(body=body, terms=(solid, contact), processes=(growth,))
+        for step, _ in march(scene, begin(scene)):
+            pial = (body.nodes + step.state["displacement"])[:, body.pial]
+        above = pial[:, pial[1] > 0.1]
+        outside[name] = np.hypot(*above).max()
+    assert outside["free"] > 1.1
+    assert outside["skull"] < radius
+
+
+def test_skull_too_close():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    with pytest.raises(ValueError, match="skull"):
+        SelfContact(skull=body.nodes[:, body.pial] * 1.0001).on(body)
+    with pytest.raises(ValueError, match="skull has shape"):
+        SelfContact(skull=np.zeros((3, 5)))
+
+
+def arch(radius, low=0.02, high=np.pi - 0.02, centre=0.0):
+    angle = np.linspace(low, high, 200)
+    return np.stack([centre + radius * np.cos(angle), radius * np.sin(angle)])
+
+
+@pytest.mark.parametrize(
+    ("skull", "message"),
+    [
+        (arch(1.2)[:, 60:], r"skull does not go round .* the point \(0\.9\d+, 0\.[01]"),
+        (arch(0.5), r"the point \(0\.9\d+, 0\.0\d+\) m of the pial surface lies outside"),
+        (arch(1.2, centre=4.0), "lies outside"),
+        (arch(1.2, centre=0.5), r"skull crosses the body near \(-0\.\d+, 0\.\d+\)"),
+        (np.array([[1.2, 0.0, -1.2], [0.1, 0.99, 0.1]]), r"crosses the body near \(0\.96\d*, 0\.2[78]"),
+    ],
+    ids=["too short", "inside", "elsewhere", "shifted", "dented"],
+)
+@pytest.mark.parametrize("step", [1, -1], ids=["counter-clockwise", "clockwise"])
+def test_a_skull_that_does_not_enclose_the_body_is_refused(skull, message, step):
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    skull = skull[:, ::step]
+    if step < 0:
+        message = "skull (crosses|does not go round) the body"
+    with pytest.raises(ValueError, match=message):
+        SelfContact(skull=skull).on(body)
+
+
+def test_a_skull_around_half_a_body_ends_before_its_mirror():
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.1))
+    assert SelfContact(skull=arch(1.2, high=0.5 * np.pi - 0.02)).on(body).moving > 0
+    with pytest.raises(ValueError, match=r"the point \(0\.5\d+, 0\.8\d+\)"):
+        # from (0.97, 0.71) straight to (0, 1): what lies beyond x = 0.557, y = 0.831 is left out
+        SelfContact(skull=arch(1.2, high=0.2 * np.pi)).on(body)
+
+
+ENDS = r"skull reaches, near \({}, {}\) m, the line .* base \(or mirror\) continues .* clear of that line"
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "where"),
+    [
+        (0.0, np.pi, (r"1\.2", "0")),
+        (0.01, np.pi - 0.03, (r"1\.2", r"0\.012")),
+        (0.03, np.pi, (r"-1\.2", r"0\.018\d*")),
+        (-0.1, np.pi + 0.1, (r"1\.2", r"-0\.0\d+")),
+        (-np.pi, np.pi, (r"1\.2", r"-0\.0\d+")),
+    ],
+    ids=["on the line", "near it", "one end", "beyond it", "all round"],
+)
+def test_a_skull_ends_clear_of_the_base_line(low, high, where):
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)  # dhat 0.4 of 0.05
+    with pytest.raises(ValueError, match=ENDS.format(*where)):
+        SelfContact(skull=arch(1.2, low, high)).on(body)
+    clear = np.arcsin(0.021 / 1.2)
+    assert SelfContact(skull=arch(1.2, clear, np.pi - clear)).on(body).moving > 0
+
+
+def test_a_skull_ends_clear_of_the_line_of_the_mirror():
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.1))
+    with pytest.raises(ValueError, match=ENDS.format(r"0\.018\d*", r"1\.2")):
+        SelfContact(skull=arch(1.2, high=0.5 * np.pi)).on(body)
+
+
+def test_a_skull_around_a_closed_surface_is_closed():
+    disc = outline(arch(1.0, 0.0, 2 * np.pi), thickness=0.2, size=0.1)
+    around = arch(1.2, 0.0, 2 * np.pi)
+    assert SelfContact(skull=around).on(disc).moving > 0
+    with pytest.raises(ValueError, match=r"skull ends at \(1\.\d+, -0\.\d+\) m, not where it begins"):
+        SelfContact(skull=around[:, :-1]).on(disc)
+    with pytest.raises(ValueError, match="does not go round"):
+        SelfContact(skull=around * 0.5).on(disc)

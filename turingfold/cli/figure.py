@@ -1,0 +1,44 @@
+"""Figures made at the command line: where they go, and how they are saved."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..figures.style import compact
+from ..results.files import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RESOLUTION = 200  # dots per inch
+
+
+def figure_path(case: Path, out: Path, *, apart: bool) -> Path:
+    """Return where the figure of a case goes.
+
+    Beside a folder "cases" that is figures/<case>.png; a quick run or one with a folder of its own
+    (`apart`), and a case elsewhere, keep it with their results: <out>/<case>.png.
+    """
+    if apart or case.resolve().parent.name != "cases":
+        return out / f"{case.stem}.png"
+    return case.resolve().parent.parent / "figures" / f"{case.stem}.png"
+
+
+@contextmanager
+def save_figure(path: Path) -> Iterator[Figure]:
+    """Give an empty figure to draw on and save it; nothing is saved if drawing fails.
+
+    The ending of the name says the format: .png, .pdf, .svg or another one that matplotlib writes.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(layout="constrained")
+    yield figure
+    content = io.BytesIO()
+    figure.savefig(content, format=path.suffix[1:].lower(), dpi=RESOLUTION, facecolor="white")
+    picture = content.getvalue()
+    write_whole(path, compact(picture) if path.suffix.lower() == ".png" else picture)

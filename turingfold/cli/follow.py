@@ -1,0 +1,89 @@
+"""The command that follows the equilibria of a case's scenes through limit points."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import NotConvergedError
+from ..figures.bifurcation import MEASURES, bifurcation_diagram, pial_measures
+from ..results.files import write_whole
+from ..results.history import lines
+from .case import folder_name, load_case
+from .figure import save_figure
+
+if TYPE_CHECKING:
+    from ..geometry.body import Body
+    from ..scene import Scene
+    from ..stability.arc_length import EquilibriumPath
+
+NUMBERS = ("time", "growth", "energy", "negative_pivots", "arc", "rate", "residual")
+
+
+def follow(options: argparse.Namespace) -> str:
+    """Return the limit points of each scene of a case as a table; write its path as CSV and draw them.
+
+    <folder>/<scene>.csv: a row per equilibrium; lengths in m.  <folder>/<case>.png: the amplitude of folds
+    against growth, unstable states dashed.
+    Terms that resist motion are left out: equilibria have none. Where paths stop, what was found is written,
+    drawn and printed all the same, and NotConvergedError names their scenes at the end.
+    """
+    from ..stability.arc_length import PathStoppedError, equilibria
+    from ..stability.path_dependence import at_rest
+
+    case = load_case(options.case)
+    scenes = case.scenes(quick=options.quick, only=options.only or ())
+    paths: dict[str, EquilibriumPath] = {}
+    stopped: dict[str, PathStoppedError] = {}
+    for name, scene in scenes.items():
+        try:
+            paths[name] = equilibria(at_rest(scene))
+        except PathStoppedError as error:
+            paths[name] = error.path
+            stopped[name] = error
+        write_path(options.follow / f"{folder_name(name)}.csv", scene.body, paths[name])
+    picture = options.follow / f"{case.name}.png"
+    _draw(picture, scenes, paths)
+    told = "\n".join([*_table(paths, stopped), f"paths: {options.follow}", f"figure: {picture}"])
+    if stopped:
+        print(told)
+        first = next(iter(stopped.values()))
+        why = "\n".join(f"{name}: {error}" for name, error in stopped.items())
+        raise NotConvergedError(why, time=first.time, residual=first.residual)
+    return told
+
+
+def write_path(file: Path, body: Body, path: EquilibriumPath) -> None:
+    """Write a path as CSV, a row per point."""
+    moves = [point.state["displacement"] for point in path.points]
+    columns = {name: path.of(name) for name in NUMBERS} | pial_measures(body, moves)
+    columns["negative_pivots"] = path.of("negative_pivots").astype(int)
+    rows = [{name: values[k].item() for name, values in columns.items()} for k in range(len(path.points))]
+    head = ",".join((*NUMBERS, *MEASURES))
+    write_whole(file, f"{head}\n{lines(rows, (*NUMBERS, *MEASURES))}".encode())
+
+
+def _table(paths: Mapping[str, EquilibriumPath], stopped: Collection[str]) -> list[str]:
+    width = max(5, *(len(name) for name in paths))
+    rows = [f"{'scene':{width}}  points  reached  limit points at t"]
+    for name, path in paths.items():
+        turns = ", ".join(f"{time:.4f}" for time in path.limit_points) or "none"
+        reached = f"{path.points[-1].time:.3f}" if path.points else "-"
+        end = "  STOPPED EARLY" if name in stopped else ""
+        rows.append(f"{name:{width}}  {len(path.points):6d}  {reached:>7}  {turns}{end}")
+    return rows
+
+
+def _draw(file: Path, scenes: dict[str, Scene], paths: dict[str, EquilibriumPath]) -> None:
+    with save_figure(file) as figure:
+        grid = np.atleast_1d(figure.subplots(-(-len(paths) // 2), min(2, len(paths)))).ravel()
+        for axes, (name, path) in zip(grid, paths.items(), strict=False):
+            if len(path.points) > 1:
+                bifurcation_diagram(axes, scenes[name].body, path)
+            axes.set_title(f"{name} (dashed: unstable)", fontsize=9)
+        for axes in grid[len(paths) :]:
+            axes.set_axis_off()

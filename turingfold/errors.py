@@ -1,0 +1,24 @@
+"""The errors that a scene or a run can end with."""
+
+from __future__ import annotations
+
+
+class SolveError(RuntimeError):
+    """A solve that stopped; `time` says when, `residual` how far from balance, the message what to try."""
+
+    def __init__(self, message: str, *, time: float = float("nan"), residual: float = float("nan")) -> None:
+        super().__init__(message)
+        self.time = time
+        self.residual = residual
+
+
+class NotConvergedError(SolveError):
+    """An equilibrium or steady state was not reached."""
+
+
+class InadmissibleStateError(SolveError):
+    """A state with a non-finite value, an inverted element or an intersection."""
+
+
+class MissingFieldError(ValueError):
+    """A part reads a field that no earlier process writes."""

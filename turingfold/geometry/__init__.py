@@ -1,0 +1,1 @@
+"""Bodies: their curves, meshes, layers and shapes."""

@@ -1,0 +1,136 @@
+"""A piecewise quadratic curve: its nodes in order, arc length, and the nearest point to any other point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..arrays import Array, Integers
+
+NEAREST = 4  # samples whose segments are tried as the nearest one
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Quadratic segments through `points` (2, n): vertex, mid, vertex, ... in order.
+
+    Open curves have an odd n; a closed one has an even n and returns to its first point.
+    """
+
+    points: Array
+    closed: bool = False
+
+    @cached_property
+    def segments(self) -> Array:
+        """Start, mid and end points, shape (3, 2, n_segments)."""
+        nodes = np.concatenate([self.points, self.points[:, :1]], axis=1) if self.closed else self.points
+        return np.stack([nodes[:, :-2:2], nodes[:, 1:-1:2], nodes[:, 2::2]])
+
+    @cached_property
+    def arc(self) -> Array:
+        """Arc length at every point, shape (n,), by Gauss quadrature of the speed on each half segment."""
+        halves = [self._length(-1.0, 0.0), self._length(0.0, 1.0)]
+        steps = np.stack(halves, axis=1).ravel()
+        return np.concatenate([[0.0], np.cumsum(steps)])[: self.points.shape[1]]
+
+    @cached_property
+    def length(self) -> float:
+        """Total arc length."""
+        return float(self._length(-1.0, 1.0).sum())
+
+    def _length(self, low: float, high: float) -> Array:
+        xi, weights = np.polynomial.legendre.leggauss(4)
+        xi = 0.5 * (low + high) + 0.5 * (high - low) * xi
+        speed = np.stack([np.hypot(*self._slope(np.full(self.segments.shape[2], x))) for x in xi])
+        return np.asarray(0.5 * (high - low) * (weights @ speed))
+
+    def _slope(self, xi: Array, which: Integers | None = None) -> Array:
+        start, mid, end = self.segments if which is None else self.segments[:, :, which]
+        return np.asarray(0.5 * (end - start) + (start - 2 * mid + end) * xi)
+
+    def _point(self, xi: Array, which: Integers) -> Array:
+        start, mid, end = self.segments[:, :, which]
+        return np.asarray(mid + 0.5 * (end - start) * xi + 0.5 * (start - 2 * mid + end) * xi**2)
+
+    def nearest(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return distance, unit tangent (2, m) and arc length at the nearest curve point of each point.
+
+        points: (2, m). The foot point solves (x - c(ξ))·c'(ξ) = 0 on the segments of the nearest samples.
+        """
+        samples, segment, start = self._samples
+        _, found = cKDTree(samples.T).query(points.T, k=min(NEAREST, samples.shape[1]))
+        found = found.reshape(points.shape[1], -1)
+        near = segment[found]
+        best = np.full(points.shape[1], np.inf)
+        foot, where = np.zeros_like(best), np.zeros(best.shape, dtype=np.int64)
+        for k in range(near.shape[1]):
+            new = np.flatnonzero((near[:, :k] != near[:, k : k + 1]).all(axis=1))
+            which = near[new, k]
+            xi = self._project(points[:, new], which, start[found[new, k]])
+            distance = np.hypot(*(points[:, new] - self._point(xi, which)))
+            better = distance < best[new]
+            at = new[better]
+            best[at], foot[at], where[at] = distance[better], xi[better], which[better]
+        slope = self._slope(foot, where)
+        return best, slope / np.hypot(*slope), self._arc_at(foot, where)
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Integers, Array]:
+        """Points on the curve, about evenly spaced, and the segment and the ξ of each."""
+        lengths = self._length(-1.0, 1.0)
+        counts = np.ceil(4 * lengths / np.median(lengths)).astype(np.int64)
+        which = np.repeat(np.arange(len(counts)), counts)
+        order = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+        xi = (2 * order + 1) / counts[which] - 1
+        return self._point(xi, which), which, xi
+
+    def _project(self, points: Array, which: Integers, xi: Array) -> Array:
+        start, mid, end = self.segments[:, :, which]
+        bend = start - 2 * mid + end
+        for _ in range(8):
+            gap, slope = points - self._point(xi, which), self._slope(xi, which)
+            speed2 = (slope**2).sum(0)
+            # Gauss-Newton far from the curve's centre of curvature, where the full derivative may vanish
+            curvature = np.maximum(speed2 - (gap * bend).sum(0), 0.2 * speed2)
+            xi = np.clip(xi + (gap * slope).sum(0) / curvature, -1.0, 1.0)
+        return xi
+
+    def _arc_at(self, xi: Array, which: Integers) -> Array:
+        nodes = np.append(self.arc, self.length) if self.closed else self.arc
+        low, mid, high = nodes[2 * which], nodes[2 * which + 1], nodes[2 * which + 2]
+        return mid + 0.5 * (high - low) * xi + 0.5 * (low - 2 * mid + high) * xi**2
+
+
+def chain(pairs: Integers, name: str) -> tuple[Integers, bool]:
+    """Return the vertices of edges (2, n) in the order in which they follow each other, and if they close.
+
+    Raises ValueError, with the name, if the edges do not make one single curve.
+    """
+    neighbours: dict[int, list[int]] = {}
+    for a, b in pairs.T.tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    ends = sorted(v for v, near in neighbours.items() if len(near) == 1)
+    branches = sum(len(near) > 2 for near in neighbours.values())
+    if len(ends) not in (0, 2) or branches:
+        raise ValueError(
+            f"the edges of {name} make a curve with {len(ends)} ends and {branches} branches; name one "
+            "connected part of the mesh."
+        )
+    path = [ends[0] if ends else min(neighbours)]
+    previous = -1
+    while True:
+        onward = [v for v in neighbours[path[-1]] if v != previous]
+        if not onward or (not ends and len(path) > 1 and onward[0] == path[0]):
+            break
+        previous = path[-1]
+        path.append(onward[0])
+    if len(path) != len(neighbours):
+        raise ValueError(
+            f"the edges of {name} fall apart: {len(path)} of {len(neighbours)} vertices connect; name one "
+            "connected part of the mesh."
+        )
+    return np.array(path), not ends

@@ -1,0 +1,1 @@
+"""Growth of the tissue: laws, their course in time, regions, imperfections."""

@@ -1,1 +1,0 @@
-"""Results on disk: the scene as JSON, history, summary, states, checkpoints, and frames for ParaView."""

@@ -1,0 +1,91 @@
+"""scene.json and body.npz: what a result was made from, every part and value, with versions and seed."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from ..scene import Scene
+from .codec import Arrays, decode, encode
+from .files import CorruptFileError, digest, read_arrays, read_json
+
+FORMAT = 3
+PACKAGES = ("turingfold", "numpy", "scipy", "scikit-fem", "ipctk", "cvxopt")
+
+
+def stored(scene: Scene) -> tuple[dict[str, Any], Arrays]:
+    """Return the content of scene.json and body.npz."""
+    arrays: Arrays = {}
+    encoded = encode(scene, arrays)
+    document = {
+        "format": FORMAT,
+        "scene": encoded,
+        "arrays": {"file": "body.npz", "sha256": digest(arrays)},
+        "versions": {"python": platform.python_version(), "machine": platform.machine(), **_versions()},
+    }
+    return document, arrays
+
+
+def read_scene(path: Path, known: Iterable[Any] = ()) -> Scene:
+    """Return the scene a folder was made from; `known` as in `codec.decode`.
+
+    Raises ValueError if there is none, or one that cannot be rebuilt, CorruptFileError if it is damaged.
+    """
+    if not (path / "scene.json").is_file():
+        raise ValueError(f"{path} holds no result (there is no scene.json); name the folder of one scene.")
+    document, arrays = read_json(path / "scene.json"), read_arrays(path / "body.npz")
+    if document.get("format") != FORMAT:
+        raise ValueError(
+            f"{path} has format {document.get('format')!r} and this version reads format {FORMAT}; run the "
+            "scene again (overwrite=True, --overwrite)."
+        )
+    if document["arrays"]["sha256"] != digest(arrays):
+        raise CorruptFileError(f"{path / 'body.npz'} does not belong to the scene.json beside it.")
+    return rebuilt(document, arrays, known)
+
+
+def rebuilt(document: Mapping[str, Any], arrays: Arrays, known: Iterable[Any] = ()) -> Scene:
+    """Return the scene that was `stored`; raises ValueError where that is none."""
+    scene = decode(document["scene"], arrays, known)
+    if not isinstance(scene, Scene):
+        raise ValueError("scene.json describes no scene.")
+    return scene
+
+
+def difference(old: Any, new: Any, ignoring: Sequence[str] = (), name: str = "") -> str:
+    """Return the first place where two JSON values differ, as text; "" where they do not.
+
+    ignoring: places that may differ, such as "scene.stepping.seconds".
+    """
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in [*old, *(k for k in new if k not in old)]:
+            path = f"{name}.{key}" if name else key
+            found = "" if path in ignoring else difference(old.get(key), new.get(key), ignoring, path)
+            if found:
+                return found
+        return ""
+    if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        pairs = enumerate(zip(old, new, strict=True))
+        return next((d for k, (a, b) in pairs if (d := difference(a, b, ignoring, f"{name}[{k}]"))), "")
+    return "" if old == new else f"{name} was {_short(old)} and is {_short(new)}"
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, list) and all(isinstance(item, dict) and "class" in item for item in value):
+        return f"({', '.join(item['class'].rpartition('.')[2] for item in value)})"
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found

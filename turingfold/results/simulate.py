@@ -1,0 +1,195 @@
+"""Run a scene to its end: march, measure, and write down what comes of it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from ..checks import instance, whole
+from ..growth.measure import largest_growth
+from ..solve.march import Progress, Step, begin, discretised, march
+from .result import FilePath, Result, Row, along_pial, observe, pial_closed
+from ..scene import Scene
+from ..errors import NotConvergedError, SolveError
+from ..state import State
+
+if TYPE_CHECKING:
+    from .folder import ResultFolder
+
+CHECKPOINT = 1.0  # s between checkpoints
+ENOUGH = 4  # elements through the cortex: the onset of buckling is then within 0.1 %
+
+
+class CoarseMeshWarning(UserWarning):
+    """Too few elements through a growing cortex for numbers to quote."""
+
+
+class StoppedError(NotConvergedError):
+    """A march that stopped; `result` holds everything up to the last good state."""
+
+    def __init__(self, error: SolveError, result: Result) -> None:
+        """Take over message, time and residual of the error that stopped the march."""
+        super().__init__(str(error), time=error.time, residual=error.residual)
+        self.result = result
+
+
+def simulate(
+    scene: Scene,
+    out: FilePath | None = None,
+    *,
+    progress: Callable[[Row], object] | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    frames: int = 20,
+) -> Result:
+    """Run a scene to its end and return every accepted state.
+
+    out: folder that the result is stored in while it is made; see `output.folder`.
+    progress: is called with each new row of the history.
+    resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
+    overwrite: replace a result that `out` holds; not with `resume`.
+    frames: states kept on disk, evenly spaced in time.
+    Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
+    OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
+    Warns (CoarseMeshWarning) of fewer than four elements through a growing cortex.
+    Raises StoppedError where no step is possible any more, ValueError where `out` holds something else,
+    OutputError (an OSError) where it cannot be written.
+    """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    _warn_if_coarse(scene)
+    whole("frames", frames, at_least=1)
+    if resume and overwrite:
+        raise ValueError(
+            "resume=True goes on with what `out` holds and overwrite=True replaces it; choose one of the two."
+        )
+    if out is None:
+        if resume or overwrite:
+            raise ValueError("resume and overwrite need a folder: simulate(scene, out=folder, ...).")
+        return _Run(scene, frames, progress).to_the_end()
+    from .folder import ResultFolder
+
+    with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite) as folder:
+        return _Run(scene, frames, progress, folder).to_the_end()
+
+
+def coarseness(elements: float) -> str:
+    """Return what to say of so few elements through a growing cortex, or nothing where they are enough."""
+    if elements >= ENOUGH - 0.01:
+        return ""
+    return (
+        f"only {elements:.2g} element(s) through the cortex; folds form too late with fewer than {ENOUGH}, "
+        "so make size= smaller for numbers to quote"
+    )
+
+
+def _warn_if_coarse(scene: Scene) -> None:
+    words = coarseness(scene.body.elements_through_cortex)
+    if words and any("growth" in process.writes for process in scene.processes):
+        warnings.warn(words, CoarseMeshWarning, stacklevel=3)
+
+
+@dataclass
+class _Run:
+    """A run under way: what has come of the scene so far, and where it is written."""
+
+    scene: Scene
+    frames: int
+    progress: Callable[[Row], object] | None = None
+    folder: ResultFolder | None = None
+    states: list[State] = field(default_factory=list)
+    history: list[Row] = field(default_factory=list)
+    parts: dict[str, float] = field(default_factory=dict)  # seconds, without those of the present march
+    marching: Mapping[str, float] = field(default_factory=dict)  # seconds of the present march
+    spent: float = 0.0  # seconds before an interruption
+    began: float = field(default_factory=perf_counter)
+    position: Progress | None = None
+    saved: float = 0.0  # when the last checkpoint was written
+
+    def to_the_end(self) -> Result:
+        """March until the scene's end; whatever stops it, what was reached is kept and summed up."""
+        self.position = self._start()
+        try:
+            for step, position in march(self.scene, self.position):
+                self._accept(step, position)
+        except SolveError as error:
+            raise StoppedError(error, self._finish()) from error
+        except KeyboardInterrupt:
+            self._finish()
+            raise
+        return self._finish()
+
+    def _start(self) -> Progress:
+        """Return where to go on: at the checkpoint, or at the start."""
+        found = self.folder.checkpoint() if self.folder is not None else None
+        if self.folder is None or found is None:
+            position = begin(self.scene)
+            self.states.append(position.state)
+            self.parts["starting"] = self._seconds()
+            if self.folder is not None:
+                shown = observe(discretised(self.scene)[0], position.state, position.dt)
+                self.folder.add_state(0, position.state, shown)
+                self._save(position)
+            return position
+        from .folder import read_states
+
+        state, dt = found.progress.state, found.progress.previous_dt or found.progress.dt
+        if self.folder.lost(found.step):
+            self.folder.add_state(found.step, state, observe(discretised(self.scene)[0], state, dt))
+        self.history = self.folder.history()
+        self.states = [s for s in read_states(self.folder.path, state.time) if s.time < state.time] + [state]
+        self.parts, self.spent = dict(found.seconds_by_part), found.seconds
+        return found.progress
+
+    def _accept(self, step: Step, position: Progress) -> None:
+        """Measure a step, write it down, and only then count it."""
+        from ..morphometry.shape import gyrification_index
+
+        before, state, body = self.states[-1].time, step.state, self.scene.body
+        pial = along_pial(body, (body.nodes + state["displacement"])[:, body.pial])
+        index = gyrification_index(pial, closed=pial_closed(body))
+        row = {**step.numbers, "growth": largest_growth(state), "gyrification_index": index}
+        began = perf_counter()
+        if self.folder is not None:
+            if _due(before, state.time, self.scene.until, self.frames):
+                self.folder.add_state(len(self.history) + 1, state, step.observe())
+            self.folder.add_row(row)
+        self.states.append(state)
+        self.history.append(row)
+        self.position, self.marching = position, step.seconds
+        if perf_counter() - self.saved > CHECKPOINT:
+            self._save(position)
+        if self.folder is not None:
+            self.parts["writing"] = self.parts.get("writing", 0.0) + perf_counter() - began
+        if self.progress is not None:
+            self.progress(row)
+
+    def _finish(self) -> Result:
+        if self.position is not None:
+            self._save(self.position)
+        reached = self.states[-1].time >= self.scene.until * (1 - 1e-12)
+        states, history = tuple(self.states), tuple(self.history)
+        result = Result(self.scene, states, history, reached, self._seconds(), self._parts())
+        if self.folder is not None:
+            self.folder.summarise(result.summary())
+        return result
+
+    def _save(self, position: Progress) -> None:
+        if self.folder is not None:
+            self.folder.save(position, len(self.history), self._seconds(), self._parts())
+            self.saved = perf_counter()
+
+    def _seconds(self) -> float:
+        return self.spent + perf_counter() - self.began
+
+    def _parts(self) -> dict[str, float]:
+        parts = [*self.parts, *(part for part in self.marching if part not in self.parts)]
+        return {part: self.parts.get(part, 0.0) + self.marching.get(part, 0.0) for part in parts}
+
+
+def _due(before: float, now: float, until: float, frames: int) -> bool:
+    """Return whether one of `frames` evenly spaced times lies in (before, now]."""
+    return int(now / until * frames + 1e-9) > int(before / until * frames + 1e-9)

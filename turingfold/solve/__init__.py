@@ -1,0 +1,1 @@
+"""Equilibria: Newton's method, the march through time, linear algebra."""

@@ -1,0 +1,70 @@
+"""Signs of the eigenvalues of symmetric sparse matrices, counted by the pivots of a factorisation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU, splu
+
+from ..arrays import Array, Integers
+from ..errors import NotConvergedError
+from .sparsity import Pattern
+
+
+def negative_pivots(pattern: Pattern, values: Array) -> int:
+    """Return the number of negative eigenvalues of a symmetric matrix (see `pattern.Pattern`)."""
+    return Indefinite(pattern).factorize(values).negative
+
+
+@dataclass(frozen=True)
+class Factors:
+    """A factorisation P A Pᵀ = L D Lᵀ; `negative` counts negative entries of D, that is eigenvalues of A."""
+
+    lu: SuperLU
+    order: Integers
+    negative: int
+
+    def solve(self, b: Array) -> Array:
+        """Return A⁻¹ b, for b of shape (n,)."""
+        x = np.empty_like(b)
+        x[self.order] = self.lu.solve(b[self.order])
+        return x
+
+
+class Indefinite:
+    """Factorises symmetric, possibly indefinite matrices of one pattern by SuperLU, without row exchanges."""
+
+    def __init__(self, pattern: Pattern) -> None:
+        """Find the ordering."""
+        self._n = pattern.n
+        marks = np.arange(1.0, len(pattern.keys) + 1)  # of the entries, to find them again after reordering
+        unit = symmetric(pattern, np.where(pattern.rows == pattern.columns, 1.0 + pattern.n, 1e-3))
+        options = {"SymmetricMode": True}
+        ordering = splu(unit, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+        self._order: Integers = np.argsort(ordering.perm_c)
+        self._places = symmetric(pattern, marks)[self._order][:, self._order].tocsc()
+        self._places.sort_indices()  # splu would do so in place, and part the entries from their marks
+        self._take = self._places.data.astype(np.int64) - 1
+
+    def factorize(self, values: Array) -> Factors:
+        """Return the factors; raises NotConvergedError for an exactly singular matrix."""
+        places = self._places
+        matrix = csc_matrix((values[self._take], places.indices, places.indptr), shape=(self._n, self._n))
+        try:
+            lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        except RuntimeError as error:
+            raise NotConvergedError("the tangent is exactly singular") from error
+        if not np.array_equal(lu.perm_r, lu.perm_c):
+            raise NotConvergedError("the tangent has a zero pivot")
+        return Factors(lu, self._order, int(np.sum(lu.U.diagonal() < 0)))
+
+
+def symmetric(pattern: Pattern, values: Array) -> csc_matrix:
+    """Return the whole matrix whose lower triangle is given."""
+    below = pattern.rows != pattern.columns
+    rows = np.concatenate([pattern.rows, pattern.columns[below]])
+    columns = np.concatenate([pattern.columns, pattern.rows[below]])
+    entries = np.concatenate([values, values[below]])
+    return csc_matrix((entries, (rows, columns)), shape=(pattern.n, pattern.n))

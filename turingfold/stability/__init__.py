@@ -1,0 +1,1 @@
+"""Loss of stability: buckling, and paths of equilibria through limit points."""

@@ -1,0 +1,170 @@
+"""Buckling: the growth at which the smooth solution's tangent ceases to be positive definite, and the mode.
+
+The base path is followed by plain Newton steps on the true tangent K, which go on through a bifurcation where
+a minimiser would leave for the folded branch; the signs of the pivots count the negative eigenvalues. The
+lowest eigenvalue of K v = λ K₀ v, with K₀ the tangent of the undeformed body, is the share of its stiffness
+that is left: 1 at the start, almost linear in growth, 0 where the body buckles. Between the last stable state
+and the first unstable one the displacement is interpolated: nothing is solved with a singular tangent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..arrays import Array
+from ..checks import finite, instance, positive
+from ..errors import NotConvergedError, SolveError
+from ..geometry.body import Body, by_node
+from ..growth.measure import largest_growth
+from ..scene import Scene
+from ..solve.inertia import negative_pivots as negative_pivots
+from ..solve.march import Progress
+from ..state import State
+from .fundamental_path import BasePath, BaseState
+from .path_dependence import resists_motion
+
+VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
+FINEST = 1e-4  # smallest step towards a limit point, as a share of the scene's time
+CLOSE = 0.1  # width of the bracket around the crossing, as a share of its time
+WORN = 0.1  # share of the stiffness below which a path that cannot be followed has come to a limit point
+
+
+@dataclass(frozen=True, kw_only=True)
+class Buckling:
+    """The first loss of stability of a scene's smooth solution.
+
+    growth: the largest tangential growth factor there (1 where nothing grows).  time: in the scene's units.
+    mode: half waves along the pial surface, n of cos(nθ) on a half disc (of the whole body, for half of one).
+    shape: the eigenvector, (2, n_nodes), its largest nodal displacement 1.
+    state: the base state.  stiffness: the share of stiffness left there, as good as 0.
+    limit: whether the base path turns back there, rather than going on unstable beyond a bifurcation.
+    """
+
+    growth: float
+    time: float
+    mode: int
+    shape: Array
+    state: State
+    stiffness: float
+    limit: bool
+
+    def switched(self, amplitude: float, dt: float) -> Progress:
+        """Return the progress from which `march` goes on along the buckled branch.
+
+        The base displacement plus amplitude (m; its sign chooses between the two sides) times the mode.
+        dt: length of the first step from there, in the scene's time.
+        """
+        if finite("amplitude", amplitude) == 0:
+            raise ValueError("amplitude=0 stays on the base path; give about a tenth of the cortex, in m.")
+        moved = self.state["displacement"] + amplitude * self.shape
+        return Progress(self.state.updated(displacement=moved), positive("dt", dt))
+
+
+def buckling(scene: Scene) -> Buckling:
+    """Return the first loss of stability along the scene's smooth solution.
+
+    It is followed in steps of `scene.stepping`. At a bifurcation the critical growth is interpolated; a limit
+    point is found to 1e-4 of the scene's time. `scene.stepping.solver` plays no part: factors always come
+    from SuperLU, whose pivots count the negative eigenvalues.
+    Raises ValueError for terms that resist motion (inertia, drag): they would stiffen the tangent. Raises
+    NotConvergedError if the solution stays stable until the scene's end, or cannot be followed.
+    """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    for term in scene.terms:
+        if resists_motion(term):
+            raise ValueError(
+                f"terms holds {term!r}, which resists motion and hides the loss of stability; leave it out."
+            )
+    path = BasePath(scene)
+    nodes, limit = _bracket(path)
+    base = nodes[-1] if limit else _crossing(path, nodes)
+    stiffness, vector = path.lowest(base)
+    if limit and stiffness > WORN:
+        raise NotConvergedError(
+            f"The base path cannot be followed beyond t = {base.state.time:.6g}, growth "
+            f"{largest_growth(base.state):.4g}, though {stiffness:.0%} of the stiffness is left; "
+            "use smaller steps (Stepping(largest=...)) or smaller elements.",
+            time=base.state.time,
+        )
+    shape = np.zeros(len(base.x))
+    shape[path.gatherer.free] = vector
+    shape = shape.reshape(-1, 2).T / np.hypot(*shape.reshape(-1, 2).T).max()
+    return Buckling(
+        growth=largest_growth(base.state), time=base.state.time, mode=half_waves(scene.body, shape),
+        shape=shape, state=base.state, stiffness=stiffness, limit=limit,
+    )
+
+
+def half_waves(body: Body, shape: Array) -> int:
+    """Return the half waves of a displacement (2, n_nodes) on the pial surface, n of cos(nθ) on a half disc.
+
+    Each change of sign of its normal component, between lobes of at least 2 % of the highest one, ends a half
+    wave; an end of the surface that is held ends one too. Half a body counts twice.
+    """
+    tangent = body.pial_curve.nearest(body.nodes[:, body.pial])[1]
+    normal = tangent[0] * shape[1, body.pial] - tangent[1] * shape[0, body.pial]
+    lobes = np.sign(normal[np.abs(normal) > VISIBLE * np.abs(normal).max()])
+    changes = int(np.sum(lobes[1:] != lobes[:-1]))
+    if body.pial_curve.closed:
+        return changes + int(lobes[0] != lobes[-1])
+    fixed = set(body.fixed.tolist())
+    held = sum({2 * node, 2 * node + 1} <= fixed for node in (int(body.pial[0]), int(body.pial[-1])))
+    return 2 * changes + held if body.mirror else changes + held // 2
+
+
+def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
+    """Return up to four stable states and the first unstable one; or stable ones and True."""
+    stepping, until = path.scene.stepping, path.scene.until
+    nodes = [path.start]
+    state, dt, longest, ahead = path.start.state, stepping.first * until, stepping.largest * until, None
+    while state.time < until * (1 - 1e-12):
+        dt = min(dt, until - state.time)
+        now = _attempt(path, state, dt, ahead)
+        if now is None:
+            dt = longest = dt / 2
+            if dt >= FINEST * until:
+                continue
+            return nodes, True
+        if now.negative:
+            return _closer(path, nodes, now), False
+        ahead = (now.x - by_node(state["displacement"])) / (now.state.time - state.time)
+        state, nodes, dt = now.state, [*nodes[-3:], now], min(1.3 * dt, longest)
+    raise NotConvergedError(
+        f"No loss of stability until t = {until:g}, growth {largest_growth(state):.4g}; let it grow more.",
+        time=until,
+    )
+
+
+def _closer(path: BasePath, nodes: list[BaseState], end: BaseState) -> list[BaseState]:
+    """Return stable states and the first unstable one, near enough to interpolate what is between them."""
+    while end.state.time - nodes[-1].state.time > CLOSE * end.state.time:
+        start, dt = nodes[-1], 0.5 * (end.state.time - nodes[-1].state.time)
+        now = _attempt(path, start.state, dt, 0.5 * (end.x - start.x) / dt)
+        if now is None or not start.state.time < now.state.time < end.state.time:
+            break
+        nodes, end = (nodes, now) if now.negative else ([*nodes[-3:], now], end)
+    return [*nodes, end]
+
+
+def _attempt(path: BasePath, state: State, dt: float, ahead: Array | None) -> BaseState | None:
+    """Return the base state dt ahead, or None; a step that may end too near a bifurcation is tried longer."""
+    leap = dt > 0.1 * path.scene.stepping.largest * path.scene.until
+    for length in (dt, 1.5 * dt) if leap else (dt,):
+        try:
+            found = path.step(state, length, None if ahead is None else ahead * length)
+        except SolveError:
+            continue
+        return found if length == dt or found.negative else None
+    return None
+
+
+def _crossing(path: BasePath, nodes: list[BaseState]) -> BaseState:
+    """Return the state between the last two nodes where the lowest eigenvalue vanishes."""
+    start, end = nodes[-2].state.time, nodes[-1].state.time
+    def left(time: float) -> float:
+        return path.lowest(path.between(nodes, time))[0]
+
+    return path.between(nodes, float(brentq(left, start, end, xtol=1e-3 * (end - start), rtol=1e-7)))

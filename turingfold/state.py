@@ -1,0 +1,30 @@
+"""The state of a scene: its fields at one time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from .arrays import Array
+
+
+@dataclass(frozen=True)
+class State:
+    """Fields at one time: displacement (2, n_nodes) in m, and whatever processes and terms have written."""
+
+    time: float
+    fields: Mapping[str, Array] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "fields", MappingProxyType(dict(self.fields)))
+
+    def __getitem__(self, name: str) -> Array:
+        return self.fields[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.fields
+
+    def updated(self, time: float | None = None, /, **fields: Array) -> State:
+        """Return a copy with some fields, and possibly the time, replaced."""
+        return State(self.time if time is None else time, {**self.fields, **fields})

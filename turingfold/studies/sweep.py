@@ -1,0 +1,185 @@
+"""Scenes that differ in the values of some parameters."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from itertools import combinations, permutations, product
+from typing import Any
+
+import numpy as np
+
+from ..checks import instance
+from ..scene import Scene
+
+SWITCHES = {"true": True, "false": False, "on": True, "off": False}
+
+
+def varied(scene: Scene, values: Mapping[str, Sequence[Any]]) -> dict[str, Scene]:
+    """Return the scene with each combination of values, by names such as "cortex=1.7, strength=0.5".
+
+    A name has numbers to six digits, and as much of the end of each parameter as tells it from the others:
+    "gray.mu=2, white.mu=3".
+    values: for each parameter the values it takes. A parameter is "Part.name", for a term or process that is
+    there once, such as "TangentialGrowth.cortex" or "Elastic.gray.mu"; "Scene.until", "Scene.seed",
+    "Stepping.largest"; or "Part" alone, with the values "on" and "off", to leave the part out.
+    Raises ValueError for parameters that the scene does not have, where a part refuses a value, for values of
+    one name, and for a parameter beside a part of it, such as "AxonalTension" and "AxonalTension.strength".
+    """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    _check(values)
+    labels = _labels(values)
+    for parameter, listed in values.items():
+        _check_names(parameter, [_named(labels[parameter], value) for value in listed], listed)
+    found = {}
+    for combination in product(*values.values()):
+        changed = scene
+        for parameter, value in zip(values, combination, strict=True):
+            changed = _with(changed, parameter, value)
+        found[", ".join(map(_named, labels.values(), combination))] = changed
+    return found
+
+
+def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
+    """Return the values of a parameter that a text lists, of the kind that it has in the scene.
+
+    text: "1.5,1.7,1.9", or "1.5:1.9:3" for three evenly spaced numbers, whole ones where it is whole now.
+    Raises ValueError for another kind of values, and for parameters that are no number, word or switch.
+    """
+    part, *names = parameter.split(".")
+    now = value_of(scene, parameter) if names else _part(scene, part)
+    words = text.split(",")
+    try:
+        if not names or isinstance(now, str):
+            return words
+        if isinstance(now, bool):
+            return [SWITCHES[word] for word in words]
+        if not isinstance(now, (int, float)):
+            raise ValueError(f"{parameter} is neither a number nor a word")
+        if ":" in text:
+            start, stop, count = text.split(":")
+            spaced: list[float] = np.linspace(float(start), float(stop), int(count)).tolist()
+            return [_whole(value) for value in spaced] if isinstance(now, int) else spaced
+        return [int(word) if isinstance(now, int) and word.isdecimal() else float(word) for word in words]
+    except (ValueError, KeyError) as error:
+        raise ValueError(
+            f"{parameter}={text}: it is {now!r} in the case; list values of that kind, such as "
+            f"{_example(now)}."
+        ) from error
+
+
+def value_of(scene: Scene, parameter: str) -> Any:
+    """Return the value of a parameter, or whether a part is there: "on" or "off"."""
+    part, *names = parameter.split(".")
+    if not names:
+        return "on" if part in (type(own).__name__ for own in (*scene.terms, *scene.processes)) else "off"
+    now = _part(scene, part)
+    for name in names:
+        now = _value(now, name, parameter)
+    return now
+
+
+def _whole(value: float) -> int:
+    if not value.is_integer():
+        raise ValueError(f"{value:g} is not whole")
+    return int(value)
+
+
+def _example(now: Any) -> str:
+    if isinstance(now, bool):
+        return "on,off"
+    return "1,2,3 or 1:3:3" if isinstance(now, int) else "1.5,1.7 or, for numbers, 1:2:5"
+
+
+def _check(values: Mapping[str, Sequence[Any]]) -> None:
+    """Raise ValueError for what are no values of parameters, and for parameters that change each other."""
+    for parameter, listed in values.items():
+        if isinstance(listed, str) or not isinstance(listed, Sequence):
+            raise ValueError(f"{parameter}={listed!r} must be a list or tuple of values, also of one.")
+    if not values or not all(values.values()):
+        raise ValueError(f"values={dict(values)!r}: give one parameter or more, and a value or more of each.")
+    for whole, part in permutations(values, 2):
+        if part.startswith(f"{whole}."):
+            raise ValueError(
+                f"{whole} and {part}, a part of it, cannot be varied together; vary them in two sweeps."
+            )
+
+
+def _check_names(parameter: str, names: Sequence[str], values: Sequence[Any]) -> None:
+    """Raise ValueError where two values of a parameter have one name."""
+    for (name, value), (other, again) in combinations(zip(names, values, strict=True), 2):
+        if name == other:
+            raise ValueError(
+                f"{parameter} has the values {value!r} and {again!r}, both named {name!r}; leave one "
+                "out, or let them differ in six digits."
+            )
+
+
+def _labels(parameters: Iterable[str]) -> dict[str, str]:
+    """Return by parameter the shortest end of its name, in whole words, that is no end of another's."""
+    ends = {}
+    for parameter in parameters:
+        words = parameter.split(".")
+        ends[parameter] = [".".join(words[-count:]) for count in range(1, len(words) + 1)]
+    shared = Counter(end for own in ends.values() for end in own)
+    return {whole: next((end for end in own if shared[end] == 1), whole) for whole, own in ends.items()}
+
+
+def _named(label: str, value: Any) -> str:
+    return f"{label}={value:.6g}" if isinstance(value, float) else f"{label}={value}"
+
+
+def _with(scene: Scene, parameter: str, value: Any) -> Scene:
+    part, *names = parameter.split(".")
+    old = _part(scene, part)
+    if not names:
+        if value not in ("on", "off"):
+            raise ValueError(f"{parameter}={value!r}: a part is 'on' or 'off'; or vary its {_names(old)}.")
+        return scene if value == "on" else _without(scene, old)
+    new = _changed(old, names, value, parameter)
+    if isinstance(new, Scene):
+        return new
+    if old is scene.stepping:
+        return replace(scene, stepping=new)
+    return replace(
+        scene,
+        terms=tuple(new if term is old else term for term in scene.terms),
+        processes=tuple(new if process is old else process for process in scene.processes),
+    )
+
+
+def _without(scene: Scene, part: Any) -> Scene:
+    if part is scene or part is scene.stepping:
+        raise ValueError(f"{type(part).__name__} cannot be left out; vary its {_names(part)}.")
+    terms = tuple(term for term in scene.terms if term is not part)
+    return replace(scene, terms=terms, processes=tuple(p for p in scene.processes if p is not part))
+
+
+def _changed(part: Any, names: Sequence[str], value: Any, parameter: str) -> Any:
+    old = _value(part, names[0], parameter)
+    new = value if len(names) == 1 else _changed(old, names[1:], value, parameter)
+    return replace(part, **{names[0]: new})
+
+
+def _part(scene: Scene, name: str) -> Any:
+    parts = [scene, scene.stepping, *scene.terms, *scene.processes]
+    found = [part for part in parts if type(part).__name__ == name]
+    if len(found) != 1:
+        known = ", ".join(dict.fromkeys(type(part).__name__ for part in parts))
+        raise ValueError(f"the scene has {len(found) or 'no'} {name}; it has: {known}.")
+    return found[0]
+
+
+def _value(part: Any, name: str, parameter: str) -> Any:
+    if not is_dataclass(part) or name not in _own(part):
+        raise ValueError(f"{parameter}: {type(part).__name__} has no {name!r}; it has: {_names(part)}.")
+    return getattr(part, name)
+
+
+def _own(part: Any) -> Iterable[str]:
+    return [field.name for field in fields(part) if field.init] if is_dataclass(part) else []
+
+
+def _names(part: Any) -> str:
+    return ", ".join(_own(part)) or "no values"

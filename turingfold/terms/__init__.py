@@ -1,0 +1,1 @@
+"""Terms: everything that contributes potential energy."""

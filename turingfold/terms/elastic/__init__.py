@@ -1,0 +1,1 @@
+"""Finite-strain elasticity of the two layers."""

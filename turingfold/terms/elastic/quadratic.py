@@ -1,0 +1,180 @@
+"""Elastic energy on quadratic triangles.
+
+Everything is pulled back to the reference triangle, where the shape functions are the same for all elements:
+with H = ∂x/∂ξ, B = D Dᵀ, D = (∂ξ/∂X) G⁻¹ and δ = F*_zz det D,
+
+    I₁ = H:(H B) + F*_zz²,   J* = δ det H,   ∂J*/∂H = δ cof H,
+
+so that forces and tangents of all elements are three matrix products with constant matrices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...arrays import Array, Integers, add_up
+from ...geometry.body import Body
+from ...parts import Hessian, SimplePotential
+from ...state import State
+from ..element_matrices import lower, pairs, slope_products
+from ..point_fields import at_points
+from . import material
+from .kinematics import (
+    Metric,
+    cofactor,
+    deformation,
+    determinant,
+    determinant_along,
+    first_invariant,
+    first_loss,
+    metric,
+    tangents,
+    times_symmetric,
+    von_mises,
+)
+
+
+class ElasticOperator:
+    """Elasticity on one body: shape function products and entry places, computed once."""
+
+    grounds = False
+
+    def __init__(self, body: Body, mu: Array, kappa: Array) -> None:
+        self.body, self.mu, self.kappa = body, mu, kappa
+        slopes = body.quadrature.derivatives
+        q = slopes.shape[2]
+        self.slopes = slopes.reshape(6, 2 * q)
+        self.same = slope_products(slopes)
+        self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
+        self.rows, self.columns = self._places()
+        self.dofs = 2 * body.triangles[None] + np.arange(2)[:, None, None]  # (2, 6, e)
+        self._grown: tuple[Array | None, Metric] | None = None
+        self._undeformed = self.gradient(body.nodes.T)
+        self._stretched: tuple[Array, Array] | None = None
+
+    def _places(self) -> tuple[Integers, Integers]:
+        """Return where the 78 different entries of each element matrix go, each (78, e)."""
+        one, other = pairs(self.body.triangles)
+        first, second = np.divmod(np.arange(36), 6)
+        x = 2 * self.body.triangles
+        return lower(np.concatenate([one, x[first]]), np.concatenate([other, x[second] + 1]))
+
+    def gradient(self, values: Array) -> Array:
+        """Return ∂/∂ξ at the integration points, (2, 2, q, e), of nodal vectors (2 n_nodes,)."""
+        at_nodes = np.take(values.reshape(-1, 2).T, self.body.triangles, axis=1)
+        return (self.slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
+
+    def stretch(self, x: Array) -> Array:
+        """Return ∂x/∂ξ at the displacement x (2 n_nodes,); a step is bounded where it was evaluated last."""
+        if self._stretched is None or not np.array_equal(self._stretched[0], x):
+            self._stretched = x.copy(), self._undeformed + self.gradient(x)
+        return self._stretched[1]
+
+    def during(self, state: State, dt: float) -> ElasticPotential:
+        """Return the elastic energy with the growth and stiffness in `state`."""
+        growth = at_points(self.body, state, "growth", 3)
+        if self._grown is None or self._grown[0] is not growth:
+            tangent = None if growth is None else self.body.tangent
+            self._grown = growth, metric(self.body.quadrature, tangent, growth)
+        stiffness = at_points(self.body, state, "stiffness")
+        mu, kappa = (
+            (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
+        )
+        return ElasticPotential(self, self._grown[1], mu, kappa)
+
+
+@dataclass(frozen=True)
+class ElasticPotential(SimplePotential):
+    """The elastic energy of one growth state, as a function of the displacement."""
+
+    operator: ElasticOperator
+    metric: Metric
+    mu: Array
+    kappa: Array
+
+    @cached_property
+    def rest(self) -> float:
+        """The energy ∫ 3μ/2 that cancels in the stress-free state."""
+        return 1.5 * float(np.vdot(self.metric.weights, self.mu))
+
+    def stretch(self, x: Array) -> Array:
+        """Return H = ∂x/∂ξ, shape (2, 2, q, e), of the displacement x (2 n_nodes,)."""
+        return self.operator.stretch(x)
+
+    def evaluate(self, x: Array) -> ElasticEvaluation | None:
+        """Return energy and derivatives at x, or None where J* <= 0 somewhere."""
+        H = self.stretch(x)
+        J = self._jacobian(H)
+        if not J.min() > 0:  # also catches NaN
+            return None
+        return ElasticEvaluation(self, H, J)
+
+    def _jacobian(self, H: Array) -> Array:
+        return np.asarray(self.metric.delta * determinant(H))
+
+    def largest_step(self, x: Array, direction: Array) -> float:
+        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
+        now, linear, square = determinant_along(self.stretch(x), self.operator.gradient(direction))
+        return first_loss(0.9 * now, linear, square)
+
+    def observe(self, x: Array) -> dict[str, Array]:
+        """Return von Mises stress, pressure (from the 3D Cauchy stress, Pa) and J*, each (q, e)."""
+        at = self.evaluate(x)
+        if at is None:
+            return {}
+        stress = von_mises(self.mu, deformation(at.H, self.metric.D), self.metric.out2, at.I1, at.J)
+        return {"von_mises": stress, "pressure": -self.kappa * (at.J - 1.0), "jacobian": at.J}
+
+    def measure(self, x: Array) -> dict[str, float]:
+        """Return the smallest J*."""
+        return {"min_jacobian": float(self._jacobian(self.stretch(x)).min())}
+
+
+class ElasticEvaluation:
+    """Elastic energy at one configuration, with gradient and Hessian on demand."""
+
+    def __init__(self, potential: ElasticPotential, H: Array, J: Array) -> None:
+        self.potential, self.H, self.J = potential, H, J
+        self.curved = True
+        m = potential.metric
+        self.HB = times_symmetric(H, m.B)
+        self.I1 = first_invariant(H, self.HB, m.out2)
+        self.law = potential.mu, potential.kappa, self.I1, J, material.shrink(J)
+        density = material.energy(*self.law)
+        self.energy = float(np.vdot(m.weights, density))
+        self.grain = 1e-15 * (abs(self.energy) + potential.rest)
+
+    @cached_property
+    def _slopes(self) -> tuple[Array, Array]:
+        return material.slopes(*self.law)
+
+    @cached_property
+    def _cofactor(self) -> Array:
+        return cofactor(self.H, self.potential.metric.delta)
+
+    def gradient(self) -> tuple[Array, float]:
+        """Return the nodal forces (2 n_nodes,) and the sum of squares of the shear part of the point forces.
+
+        The shear part alone does not vanish in the stress-free state: it is what round-off is relative to.
+        """
+        operator, (a, b) = self.potential.operator, self._slopes
+        weights = self.potential.metric.weights
+        shear = (weights * a) * self.HB
+        P = shear + (weights * b) * self._cofactor
+        forces = operator.slopes @ P.reshape(2, -1, P.shape[3])  # (2, 6, e)
+        total = add_up(operator.dofs, forces, 2 * operator.body.nodes.shape[1])
+        return total, float(np.vdot(shear, shear))
+
+    def hessian(self, convexity: float) -> Hessian:
+        """Return the tangent, with the share `convexity` of its negative part at each point taken away."""
+        operator, m, (a, b) = self.potential.operator, self.potential.metric, self._slopes
+        c1, c2 = material.curvatures(*self.law)
+        same, mixed = tangents(m, self.H, self.HB, self._cofactor, (a, b, c1, c2), convexity)
+        q, e = a.shape
+        values = np.empty((78, e))
+        np.matmul(operator.same, same.reshape(2, 3 * q, e), out=values[:42].reshape(2, 21, e))
+        np.matmul(operator.mixed, mixed.reshape(4 * q, e), out=values[42:])
+        return Hessian(operator.rows, operator.columns, values, lasting=True)

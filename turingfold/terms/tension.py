@@ -1,0 +1,213 @@
+"""Axonal tension: tangential loads whose strength follows the pattern."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, add_up
+from ..checks import finite, one_of, whole
+from ..geometry.body import Body
+from ..geometry.curve import Curve
+from ..parts import Hessian, Load, SimplePotential
+from ..state import State
+
+SURFACES = ("interface", "pial")
+DIRECTIONS = ("toward-peaks", "between-peaks")
+GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(4)
+# derivative of the quadratic shape functions (start, middle, end) and their values at the Gauss points
+SLOPES = np.stack([GAUSS - 0.5, -2 * GAUSS, GAUSS + 0.5])
+SHAPES = np.stack([0.5 * GAUSS * (GAUSS - 1), 1 - GAUSS**2, 0.5 * GAUSS * (GAUSS + 1)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxonalTension(Load):
+    """Tension of axons, ∝ the pattern û, along the gray-white interface or as tractions on the pial surface.
+
+    surface "interface": a line tension γ (strength in N/m), in the weak form -∫ γ T·∂_s v ds: no net
+    force or moment. direction "toward-peaks": γ = strength û, which makes gyri at the peaks; "between-peaks":
+    γ = strength (1 - û).
+    surface "pial": tangential tractions of at most `strength` (Pa) along ±∂_s û, converging on the peaks
+    (direction "toward-peaks", the arrows of the source's Figure 1; sulci form there) or between them
+    ("between-peaks"; gyri form at the peaks).
+    direction None: the one that makes gyri at the peaks.
+    follower: loads follow the deforming line instead of keeping their direction; only on the interface, where
+    the tension then has the energy ∫ γ |∂x/∂s| ds.
+    patches: without a pattern, this many evenly spaced patches of equal strength; nothing is read then.
+    ramp: time over which the load rises to its strength.
+    """
+
+    strength: float
+    surface: str = "interface"
+    direction: str | None = None
+    follower: bool = False
+    patches: int = 0
+    ramp: float = 0.1
+
+    def __post_init__(self) -> None:
+        finite("strength", self.strength, "give the line tension in N/m, or the peak traction in Pa")
+        one_of("surface", self.surface, SURFACES)
+        if self.direction is not None:
+            one_of("direction", self.direction, DIRECTIONS)
+        whole("patches", self.patches, at_least=0)
+        if finite("ramp", self.ramp) < 0:
+            raise ValueError(f"ramp={self.ramp:g} must not be negative; 0 applies the load at once.")
+        if self.follower and self.surface == "pial":
+            raise ValueError(
+                'follower=True needs surface="interface"; tractions that turn with the pial surface have no '
+                "energy."
+            )
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The pattern, unless patches replace it."""
+        return () if self.patches else ("pattern",)
+
+    def on(self, body: Body) -> TensionOperator:
+        """Return the term discretised on `body`."""
+        return TensionOperator(body, self)
+
+
+class TensionOperator:
+    """Tension on one body: the curve it acts on and its integration points."""
+
+    grounds = False
+
+    def __init__(self, body: Body, term: AxonalTension) -> None:
+        self.body, self.term = body, term
+        self.nodes = body.interface if term.surface == "interface" else body.pial
+        closed = self.nodes.shape[0] % 2 == 0
+        self.curve = Curve(body.nodes[:, self.nodes], closed)
+        path = np.append(self.nodes, self.nodes[0]) if closed else self.nodes
+        self.edges = np.stack([path[:-2:2], path[1:-1:2], path[2::2]])  # (3, m)
+        along = np.einsum("kim,kg->igm", self.curve.segments, SLOPES)
+        self.speed = np.hypot(*along)  # ds/dξ at the integration points, (g, m)
+        self.tangent = along / self.speed
+        pairs = np.array([(k, l) for k in range(6) for l in range(k + 1)]).T
+        dofs = (2 * self.edges[:, None] + np.arange(2)[None, :, None]).reshape(6, -1)
+        one, other = dofs[pairs[0]], dofs[pairs[1]]
+        self.pairs, self.rows, self.columns = pairs, np.maximum(one, other), np.minimum(one, other)
+
+    def pattern(self, state: State) -> Array:
+        """Return û at the curve's nodes, (3, m)."""
+        body, term = self.body, self.term
+        if term.patches:
+            share = body.pial_share(body.pial_curve.nearest(body.nodes[:, self.nodes])[2])
+            values = 0.5 * (1.0 + np.cos(2 * np.pi * term.patches * share))
+        else:
+            values = body.spread(body.cortex, state["pattern"])[self.nodes]
+        if self.curve.closed:
+            values = np.append(values, values[0])
+        return np.stack([values[:-2:2], values[1:-1:2], values[2::2]])
+
+    def during(self, state: State, dt: float) -> DeadTension | FollowerTension | None:
+        """Return the load at the state's time, or None while it is zero."""
+        term = self.term
+        rise = 1.0 if term.ramp == 0 else min(1.0, state.time / term.ramp)
+        if rise == 0 or term.strength == 0:
+            return None
+        pattern = self.pattern(state)
+        if term.surface == "pial":
+            return DeadTension(self, rise * self._tractions(pattern))
+        line = rise * term.strength * np.einsum("km,kg->gm", self._weight(pattern), SHAPES)
+        return FollowerTension(self, line) if term.follower else DeadTension(self, self._line_forces(line))
+
+    def _weight(self, pattern: Array) -> Array:
+        return 1.0 - pattern if self.term.direction == "between-peaks" else pattern
+
+    def _line_forces(self, line: Array) -> Array:
+        """Nodal forces of a line tension with fixed direction: -∫ γ T ∂_s v ds, (2 n_nodes,)."""
+        forces = -np.einsum("g,gm,igm,kg->kim", WEIGHTS, line, self.tangent, SLOPES)
+        return self._nodal(forces)
+
+    def _tractions(self, pattern: Array) -> Array:
+        """Nodal forces of the tractions ±strength (∂_s û / max|∂_s û|) t, (2 n_nodes,)."""
+        slope = np.einsum("km,kg->gm", pattern, SLOPES) / self.speed
+        largest = np.abs(slope).max()
+        if largest <= 1e-9 * np.abs(pattern).max() / self.curve.length:  # uniform but for round-off
+            return np.zeros(2 * self.body.nodes.shape[1])
+        sign = 1.0 if self.term.direction == "toward-peaks" else -1.0
+        traction = sign * self.term.strength * slope / largest
+        forces = np.einsum("g,gm,gm,igm,kg->kim", WEIGHTS, self.speed, traction, self.tangent, SHAPES)
+        return self._nodal(forces)
+
+    def _nodal(self, forces: Array) -> Array:
+        """Add contributions (3, 2, m) of the curve's edges up to a vector (2 n_nodes,)."""
+        dofs = 2 * self.edges[:, None] + np.arange(2)[None, :, None]
+        return add_up(dofs, forces, 2 * self.body.nodes.shape[1])
+
+
+@dataclass(frozen=True)
+class DeadTension(SimplePotential):
+    """Forces that do not change with the displacement: energy -f·x."""
+
+    operator: TensionOperator
+    forces: Array
+
+    def evaluate(self, x: Array) -> DeadEvaluation:
+        """Return energy and gradient at x."""
+        work = self.forces * x
+        return DeadEvaluation(self.forces, -float(work.sum()), 1e-15 * float(np.abs(work).sum()))
+
+
+@dataclass(frozen=True)
+class DeadEvaluation:
+    """Energy of dead loads; it has no curvature."""
+
+    forces: Array
+    energy: float
+    grain: float
+    curved: bool = False
+
+    def gradient(self) -> tuple[Array, float]:
+        """Return minus the forces and their sum of squares."""
+        return -self.forces, float(self.forces @ self.forces)
+
+    def hessian(self, convexity: float) -> Hessian:
+        """Return no entries."""
+        none = np.zeros(0, dtype=np.int64)
+        return Hessian(none, none, np.zeros(0), lasting=False)
+
+
+@dataclass(frozen=True)
+class FollowerTension(SimplePotential):
+    """Line tension along the deformed line: energy ∫ γ |∂x/∂ξ| dξ."""
+
+    operator: TensionOperator
+    line: Array  # γ at the integration points, (g, m)
+
+    def evaluate(self, x: Array) -> FollowerEvaluation:
+        """Return energy and derivatives at x."""
+        operator = self.operator
+        at = operator.body.nodes + x.reshape(-1, 2).T
+        return FollowerEvaluation(self, np.einsum("ikm,kg->igm", at[:, operator.edges], SLOPES))
+
+
+class FollowerEvaluation:
+    """Energy of a line tension at one configuration."""
+
+    def __init__(self, potential: FollowerTension, along: Array) -> None:
+        self.potential = potential
+        self.curved = True
+        self.speed = np.hypot(*along)
+        self.tangent = along / self.speed
+        self.weights = WEIGHTS[:, None] * potential.line
+        self.energy = float((self.weights * self.speed).sum())
+        self.grain = 1e-15 * float((np.abs(self.weights) * self.speed).sum())
+
+    def gradient(self) -> tuple[Array, float]:
+        """Return ∫ γ T ∂_ξ v dξ."""
+        forces = np.einsum("gm,igm,kg->kim", self.weights, self.tangent, SLOPES)
+        return self.potential.operator._nodal(forces), float(np.vdot(forces, forces))
+
+    def hessian(self, convexity: float) -> Hessian:
+        """Return ∫ γ/|∂_ξ x| (1 - T⊗T) ∂_ξ v ∂_ξ w dξ; semi-definite for a pulling tension as it is."""
+        operator = self.potential.operator
+        weights = self.weights / self.speed
+        if convexity > 0:
+            weights = np.where(weights < 0, (1 - convexity) * weights, weights)
+        normal = np.stack([-self.tangent[1], self.tangent[0]])
+        blocks = np.einsum("gm,igm,jgm,kg,lg->kiljm", weights, normal, normal, SLOPES, SLOPES, optimize=True)
+        values = blocks.reshape(6, 6, -1)[operator.pairs[0], operator.pairs[1]]
+        return Hessian(operator.rows, operator.columns, values, lasting=True)

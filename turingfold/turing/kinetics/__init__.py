@@ -1,0 +1,1 @@
+"""Reaction kinetics of two morphogens."""

@@ -1,0 +1,110 @@
+"""Kinetics given as Python functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...arrays import Array
+from ...checks import finite_array, positive
+from .base import Four, Kinetics, Pair, Point
+
+Rate = Callable[[Array, Array], Array]
+Derivatives = Callable[[Array, Array], Four]
+
+
+@dataclass(frozen=True, kw_only=True)
+class UserKinetics(Kinetics):
+    """Kinetics from functions of arrays: p(u, v), q(u, v) and, if given, their four derivatives.
+
+    p, q: rates of u and v, vectorised.
+    slopes: function giving (∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v); without it central differences are used.
+    guesses: states (u, v) from which uniform steady states are searched; at least one.
+    ratio: d_inhibitor / d_activator to use where none is asked for.
+
+    Raises ValueError if the functions do not return finite arrays of the shape given, or if `slopes`
+    disagrees with differences of p and q by more than 1e-5 near a guess.
+    """
+
+    p: Rate
+    q: Rate
+    guesses: tuple[Point, ...]
+    slopes: Derivatives | None = None
+    ratio: float = 10.0
+    non_negative: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Evaluate the functions near every guess and compare them with each other."""
+        positive("UserKinetics: ratio", self.ratio)
+        guesses = finite_array("UserKinetics: guesses", np.atleast_2d(self.guesses), (None, 2))
+        object.__setattr__(self, "guesses", tuple((float(u), float(v)) for u, v in guesses))
+        spread = 1 + np.array([-0.1, 0.0, 0.1])
+        for guess in self.guesses:
+            u, v = guess[0] * spread + 0.01, guess[1] * spread[::-1] + 0.01
+            for name, rate in (("p", self.p), ("q", self.q)):
+                finite_array(f"UserKinetics: {name}(u, v)", rate(u, v), (len(u),))
+            if self.slopes is not None:
+                self._compare(self.slopes(u, v), self._differences(u, v), (u, v))
+
+    @property
+    def published_ratio(self) -> float:  # type: ignore[override]
+        """The ratio given."""
+        return self.ratio
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """None by name: they live inside the functions."""
+        return {}
+
+    def rates(self, u: Array, v: Array) -> Pair:
+        """Return p and q."""
+        return self.p(u, v), self.q(u, v)
+
+    def derivatives(self, u: Array, v: Array) -> Four:
+        """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
+        return self._differences(u, v) if self.slopes is None else self.slopes(u, v)
+
+    def steady_states(self) -> tuple[Point, ...]:
+        """Return the distinct states that Newton's method reaches from the guesses."""
+        found: list[Point] = []
+        for guess in self.guesses:
+            state = self._newton(guess)
+            if state is not None and all(
+                np.hypot(state[0] - u, state[1] - v) > 1e-7 * (1 + np.hypot(u, v)) for u, v in found
+            ):
+                found.append(state)
+        return tuple(found)
+
+    def _newton(self, guess: Point) -> Point | None:
+        x = np.array(guess)
+        for _ in range(50):
+            rate = np.array(self.rates(x[:1], x[1:]))[:, 0]
+            jacobian = self.jacobian((x[0], x[1]))
+            if not np.isfinite(rate).all() or abs(np.linalg.det(jacobian)) < 1e-300:
+                return None
+            step = np.linalg.solve(jacobian, rate)
+            x = x - step
+            if np.abs(step).max() <= 1e-12 * (1 + np.abs(x).max()):
+                return float(x[0]), float(x[1])
+        return None
+
+    def _differences(self, u: Array, v: Array) -> Four:
+        size = np.cbrt(np.finfo(float).eps)
+        h, k = size * (1 + np.abs(u)), size * (1 + np.abs(v))
+        by_u = [(rate(u + h, v) - rate(u - h, v)) / (2 * h) for rate in (self.p, self.q)]
+        by_v = [(rate(u, v + k) - rate(u, v - k)) / (2 * k) for rate in (self.p, self.q)]
+        return by_u[0], by_v[0], by_u[1], by_v[1]
+
+    def _compare(self, given: Four, differences: Four, at: Pair) -> None:
+        scale = max(float(np.abs(value).max()) for value in differences) + 1e-30
+        for name, mine, theirs in zip(("∂p/∂u", "∂p/∂v", "∂q/∂u", "∂q/∂v"), differences, given, strict=True):
+            worst = int(np.argmax(np.abs(mine - theirs)))
+            if abs(mine[worst] - theirs[worst]) > 1e-5 * scale:
+                raise ValueError(
+                    f"UserKinetics: slopes gives {name}={theirs[worst]:g} at u={at[0][worst]:g}, "
+                    f"v={at[1][worst]:g}, but differences of the rates give {mine[worst]:g}; correct slopes "
+                    "or leave it out."
+                )
