@@ -102,7 +102,8 @@ def incompressible_stress(g, a, A, B):
 
 
 GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-DOC1, DOC2 = (WHITE, GRAY, 2.5 / 40.4), (NeoHookean(1.0, 5.0), NeoHookean(1.0, 5.0), 2.5 / 40.4)
+SOFT, STIFF = NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=1e3, kappa=5e3)
+DOC1, DOC2 = (WHITE, GRAY, 2.5 / 40.4), (SOFT, SOFT, 2.5 / 40.4)
 
 
 @pytest.mark.parametrize(
@@ -110,10 +111,10 @@ DOC1, DOC2 = (WHITE, GRAY, 2.5 / 40.4), (NeoHookean(1.0, 5.0), NeoHookean(1.0, 5
     [
         (DOC1, 1.2, (1.0015094462, 1.0112836843, 23.5332)),
         (DOC2, 1.2, (1.0040961501, 1.0115104492, 0.0437447)),
-        ((NeoHookean(1, 5), NeoHookean(1000, 5000), 2.5 / 40.4), 1.2, (1.19173505, 1.18038336, None)),
-        ((NeoHookean(1000, 5000), NeoHookean(1, 5), 2.5 / 40.4), 1.2, (1.00000422, 1.00784200, None)),
-        ((NeoHookean(1, 5), NeoHookean(1, 5), 0.1), 1.1, (1.003222, 1.009302, 0.03440)),
-        ((NeoHookean(1, 5), NeoHookean(1, 5), 0.1), 1.2, (1.006568, 1.018205, 0.07020)),
+        ((SOFT, STIFF, 2.5 / 40.4), 1.2, (1.19173505, 1.18038336, None)),
+        ((STIFF, SOFT, 2.5 / 40.4), 1.2, (1.00000422, 1.00784200, None)),
+        ((SOFT, SOFT, 0.1), 1.1, (1.003222, 1.009302, 0.03440)),
+        ((SOFT, SOFT, 0.1), 1.2, (1.006568, 1.018205, 0.07020)),
         (DOC1, 4.0, (None, 1.09078631, None)),
         (DOC2, 4.0, (None, 1.06321547, None)),
     ],
@@ -131,7 +132,7 @@ def test_a_nearly_incompressible_ring_tends_to_the_closed_form(growth, known):
     a = brentq(lambda a: incompressible_stress(growth, a, 0.5, 1.0), 0.5, 0.8)
     b = np.sqrt(a * a + growth * 0.75)
     assert (a, b) == (pytest.approx(known[0], abs=6e-7), pytest.approx(known[1], abs=6e-7))
-    errors = [abs(free_ring(NeoHookean(1.0, kappa), growth)[0] - a) for kappa in (1e2, 1e3)]
+    errors = [abs(free_ring(NeoHookean(mu=1.0, kappa=kappa), growth)[0] - a) for kappa in (1e2, 1e3)]
     assert errors[1] < 2e-4
     assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.02)
 
@@ -142,7 +143,7 @@ def test_a_ring_on_a_nearly_incompressible_core_tends_to_the_closed_form(growth,
     stress = incompressible_stress(growth, 0.9, 0.9, 1.0)
     outer = np.sqrt(0.81 + growth * 0.19)
     assert (outer, stress) == (pytest.approx(known[0], abs=6e-7), pytest.approx(known[1], abs=6e-7))
-    stiff = NeoHookean(1.0, 1e4)
+    stiff = NeoHookean(mu=1.0, kappa=1e4)
     _, radius, pull = disc(stiff, stiff, 0.1, growth)
     assert radius == pytest.approx(outer, abs=1e-4)
     assert pull == pytest.approx(stress, rel=1e-3)
@@ -231,7 +232,7 @@ def quarter_ring(inner, outer, around, across):
 
 @pytest.mark.parametrize("kappa", [5.0, 50.0, 500.0])
 def test_the_free_ring_is_exact_also_when_nearly_incompressible(kappa):
-    material = NeoHookean(1.0, kappa)
+    material = NeoHookean(mu=1.0, kappa=kappa)
     body, sides, radius = quarter_ring(0.5, 1.0, 24, 12)
     growth = np.ones((3, *body.quadrature.weights.shape))
     growth[0] = 1.2
@@ -250,7 +251,7 @@ def test_the_rivlin_cylinder():
     assert closed == pytest.approx(0.428228409, abs=5e-10)
 
     def pressure(kappa):
-        layer = Layer(NeoHookean(1.0, kappa), 1.0, 2.0, 1.0)
+        layer = Layer(NeoHookean(mu=1.0, kappa=kappa), 1.0, 2.0, 1.0)
         return -brentq(lambda s: layer.outward(1.5, s)[1], -1.5, -0.1, xtol=1e-13) / 1.5
 
     assert pressure(1e4) == pytest.approx(closed, rel=1e-4)
@@ -259,7 +260,7 @@ def test_the_rivlin_cylinder():
     fixed = np.concatenate([sides, 2 * inner, 2 * inner + 1])
     # the start keeps the volume: r² = R² + 1.5² - 1
     start = (body.nodes * (np.sqrt(radius**2 + 1.25) / radius - 1)).T.ravel()
-    u, potential = equilibrium(body, Elastic(gray=NeoHookean(1.0, 50.0)), fixed, start)
+    u, potential = equilibrium(body, Elastic(gray=NeoHookean(mu=1.0, kappa=50.0)), fixed, start)
     force = potential.evaluate(u.T.ravel()).gradient()[0].reshape(-1, 2)[inner]
     outward = np.einsum("ki,ik->", force, body.nodes[:, inner])  # work on a unit of radial displacement
     assert outward / (1.5 * np.pi / 2) == pytest.approx(pressure(50.0), rel=1e-4)
@@ -288,7 +289,7 @@ def test_the_patch_is_exact():
     fixed = rim(body)
     start = exact.T.ravel() + 0.01 * np.random.default_rng(1).standard_normal(exact.size)
     start[fixed] = exact.T.ravel()[fixed]
-    term = Elastic(gray=NeoHookean(1.0, 5.0))
+    term = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
     u, potential = equilibrium(body, term, fixed, start)
     assert np.abs(u - exact).max() < 1e-13
     H = potential.stretch(u.T.ravel())
@@ -358,9 +359,8 @@ def manufactured_errors(n):
         np.add.at(forces, basis.element_dofs[k], local.T)
     fixed = rim(body)
     exact_nodes = manufactured(body.nodes)[0]
-    found, _ = equilibrium(
-        body, Elastic(gray=NeoHookean(1.0, 5.0)), fixed, exact_nodes.T.ravel(), loads=[Load(forces.ravel())]
-    )
+    solid, loads = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), [Load(forces.ravel())]
+    found, _ = equilibrium(body, solid, fixed, exact_nodes.T.ravel(), loads=loads)
     errors = []
     for i in (0, 1):
         at = basis.interpolate(found[i])
@@ -413,11 +413,12 @@ def cook(material, n):
 )
 def test_cooks_membrane(kappa, known):
     # the corner at the clamp is singular: displacements rise towards the limit, slower than with order 3
-    coarse, fine = (cook(NeoHookean(0.4225, 0.4225 * kappa), n) for n in (12, 32))
+    coarse, fine = (cook(NeoHookean(mu=0.4225, kappa=0.4225 * kappa), n) for n in (12, 32))
     assert (fine > coarse).all()
     assert fine == pytest.approx(known, rel=2e-3)
 
 
+@pytest.mark.filterwarnings("ignore:a half width of 40.4 m")  # all is in mm here, moduli too
 def test_millimetres_and_metres_take_the_same_steps():
     def run(unit):
         body = semicircle(radius=0.0404 * unit, thickness=4e-3 * unit, size=2e-3 * unit)

@@ -12,7 +12,7 @@ from turingfold import (
 def scenes(quick=False):
     body = semicircle(radius=1.0, thickness=0.2, size=0.1, base="roller")
     grow = TangentialGrowth(cortex=1.9)
-    solid = Elastic(gray=NeoHookean(1.0, 5.0), layers="sigmoid")
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), layers="sigmoid")
     terms = {"plain": (solid,), "dragged": (solid, Drag(coefficient=9.0))}
     return {name: Scene(body=body, terms=listed, processes=(grow,)) for name, listed in terms.items()}
 '''

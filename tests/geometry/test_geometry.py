@@ -10,6 +10,7 @@ from skfem import MeshTri1
 from turingfold.geometry.body import Body
 from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle, semiellipse
+from turingfold.outlines import outline
 
 SHAPES = {
     "document 1": {"width": 0.0808, "height": 0.0404, "thickness": 2.5e-3, "size": 1.25e-3},
@@ -224,10 +225,38 @@ def test_bad_shapes_are_refused(options, words):
     message_names(failure.value, *words)
 
 
+def outline_of_a_disc(radius, **options):
+    angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    return outline(radius * np.stack([np.cos(angle), np.sin(angle)]), **options)
+
+
 @pytest.mark.parametrize("bad", [-0.04, 0.0, float("nan")])
 def test_a_radius_must_be_positive(bad):
     with pytest.raises(ValueError, match="radius"):
         semicircle(radius=bad, thickness=2.5e-3, size=1e-3)
+
+
+@pytest.mark.parametrize("make", [semicircle, outline_of_a_disc])
+def test_elements_through_the_cortex_set_the_size(make):
+    # size = thickness/elements, so twice the thickness has the same number of elements through it
+    for thickness in (0.1, 0.2):
+        body = make(radius=1.0, thickness=thickness, elements=2)
+        assert body.elements_through_cortex == pytest.approx(2, rel=0.1)
+        same = make(radius=1.0, thickness=thickness, size=thickness / 2)
+        np.testing.assert_array_equal(body.nodes, same.nodes)
+
+
+@pytest.mark.parametrize("options", [{}, {"size": 0.05, "elements": 2}])
+def test_either_size_or_elements_is_given(options):
+    for make in (semicircle, outline_of_a_disc):
+        with pytest.raises(ValueError, match="either size=") as failure:
+            make(radius=1.0, thickness=0.1, **options)
+        message_names(failure.value, "elements=", *(f"{k}={v}" for k, v in options.items()))
+
+
+def test_millimetres_taken_for_metres_are_noticed():
+    with pytest.warns(UserWarning, match=r"40\.4 m .* cortex of 2\.5 m.*40\.4 mm are 0\.0404"):
+        semicircle(radius=40.4, thickness=2.5, elements=1)
 
 
 def test_lengths_in_different_units_are_refused_at_once():

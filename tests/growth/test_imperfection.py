@@ -17,7 +17,7 @@ from turingfold.terms.elastic.term import Elastic
 
 
 def scene(body, *processes):
-    return Scene(body=body, terms=(Elastic(gray=NeoHookean(1.0, 5.0)),), processes=processes, seed=3)
+    return Scene(body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),), processes=processes, seed=3)
 
 
 def body(size=0.05, **options):

@@ -124,7 +124,7 @@ def cleft_between_three_lobes(growth):
     points = np.concatenate([outside, wall, hollowed, opposite], axis=1)
     body = outline(points, thickness=0.14, size=0.08, smooth=0.05, tight="trim")
     around = ring(skull, 2 * np.pi * np.append(np.arange(240), 0) / 240)
-    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), SelfContact(skull=around))
+    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(skull=around))
     growing = TangentialGrowth(cortex=growth, core=growth, layers="sharp")
     return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=60.0)), skull
 
@@ -195,7 +195,7 @@ def test_slivers_stretch_as_exactly_as_good_triangles():
     mesh = MeshTri1.init_tensor(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1e-4, 5))
     sides = {"pial": lambda x: x[1] > 0.99e-4, "base": lambda x: x[1] == 0.0}
     body = Body(mesh.with_boundaries(sides), 0.5e-4, "roller")
-    solid = Elastic(gray=NeoHookean(1.0, 5.0))
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
     growth = TangentialGrowth(cortex=1.3, core=1.3, layers="sharp")
     made = Scene(body=body, terms=(solid,), processes=(growth,))
     for step, _ in march(made, begin(made)):

@@ -24,7 +24,7 @@ from turingfold.terms.dynamics import Drag, Inertia
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 
-SOLID = Elastic(gray=NeoHookean(1.0, 5.0))
+SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
 
 
 @pytest.fixture(scope="module")

@@ -224,7 +224,7 @@ def test_a_grown_body_reaches_the_tolerance_and_is_certified():
     body = semicircle(radius=1.0, thickness=0.3, size=0.15, base="roller")
     state = State(0.0, {"displacement": np.zeros_like(body.nodes)})
     state = state.updated(**TangentialGrowth(cortex=1.5).advance(body, state, 1.0))
-    potential = Elastic(gray=NeoHookean(1.0, 5.0)).on(body).during(state, 1.0)
+    potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(body).during(state, 1.0)
     solver = Minimiser(2 * body.nodes.shape[1], body.fixed, 1e-9, 60)
     start = np.zeros(2 * body.nodes.shape[1])
     found = solver.minimise([potential], start)

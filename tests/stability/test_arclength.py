@@ -389,7 +389,7 @@ def test_a_closed_path_is_followed_once(backward, largest):
 def growing(*terms, element="auto", largest=0.1):
     """Return half a clamped disc that creases at its ends, without an exact solution."""
     body = half(semicircle(radius=1.0, thickness=0.2, size=0.1, base="clamped"))
-    solid = Elastic(gray=NeoHookean(1.0, 5.0), element=element)
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), element=element)
     return Scene(
         body=body, terms=(solid, *terms), processes=(TangentialGrowth(cortex=2.0, layers="sharp"),),
         stepping=Stepping(first=0.1, largest=largest),
@@ -473,7 +473,7 @@ class Waiting(Compounding):
     reads = ("displacement",)
 
 
-SOLID = Elastic(gray=NeoHookean(1.0, 5.0))
+SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
 RESISTING = (Drag(coefficient=1e-9), Inertia(density=1.0), StiffnessDamping(elastic=SOLID, time=1.0))
 
 

@@ -30,11 +30,11 @@ class Strip:
 
 
 STRIPS = {
-    "kappa 5 mu": (Strip(NeoHookean(1.0, 5.0), NeoHookean(1.0, 5.0), 4.10), 1.6297),
+    "kappa 5 mu": (Strip(NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=1.0, kappa=5.0), 4.10), 1.6297),
     "document 1": (
         Strip(NeoHookean.from_young(1895.0, 0.4583), NeoHookean.from_young(1389.0, 0.4583), 3.61), 1.7324,
     ),
-    "stiff cortex": (Strip(NeoHookean(1.0, 5.0), NeoHookean(10.0, 50.0), 9.61), 1.1286),
+    "stiff cortex": (Strip(NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=10.0, kappa=50.0), 9.61), 1.1286),
 }
 
 

@@ -50,7 +50,7 @@ def test_energy_of_a_uniform_stretch():
 
 def test_a_pulling_layer_shortens():
     made = body(base="roller")
-    solid = Elastic(gray=NeoHookean(1.0, 5.0))
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
     scene = Scene(body=made, terms=(solid, ActiveStress(stress=2.0, depth=(0.0, 1.0))))
     for step, _ in march(scene, begin(scene)):
         x = made.nodes + step.state["displacement"]
@@ -61,7 +61,7 @@ def test_a_pulling_layer_shortens():
 
 
 def test_needs_a_pattern_only_if_it_follows_one():
-    solid = Elastic(gray=NeoHookean(1.0, 5.0))
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
     with pytest.raises(MissingFieldError, match="pattern"):
         Scene(body=body(), terms=(solid, ActiveStress(stress=1.0, follows_pattern=True)))
     assert ActiveStress(stress=1.0).reads == ()

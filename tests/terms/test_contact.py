@@ -195,7 +195,8 @@ def test_energy_scales_with_the_body_and_its_stress():
 
 def test_the_scene_gives_the_scale_of_stress():
     body = slotted()
-    terms = (Elastic(gray=NeoHookean(476.0, 5551.0), white=NeoHookean(650.0, 7574.0)), SelfContact())
+    gray, white = NeoHookean(mu=476.0, kappa=5551.0), NeoHookean(mu=650.0, kappa=7574.0)
+    terms = (Elastic(gray=gray, white=white), SelfContact())
     state = begin(Scene(body=body, terms=terms)).state
     dhat = 0.05
     operator, x = SelfContact().on(body), closed(body, 0.5 * dhat)
@@ -209,7 +210,7 @@ def folded(gap):
     contact = SelfContact(gap=gap)
     operator = contact.on(body)
     scene = Scene(
-        body=body, terms=(Elastic(gray=NeoHookean(1.0, 5.0)), contact), until=0.7,
+        body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), contact), until=0.7,
         processes=(TangentialGrowth(cortex=2.6),), stepping=Stepping(first=0.05, largest=0.05),
     )
     for step, _ in march(scene, begin(scene)):
@@ -249,7 +250,7 @@ def test_skull_confines_the_folding_brain():
     angle = np.linspace(0.02, np.pi - 0.02, 200)
     radius = 1.05
     skull = radius * np.stack([np.cos(angle), np.sin(angle)])
-    solid, growth = Elastic(gray=NeoHookean(1.0, 5.0)), TangentialGrowth(cortex=1.9)
+    solid, growth = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), TangentialGrowth(cortex=1.9)
     outside = {}
     for name, contact in (("free", SelfContact()), ("skull", SelfContact(skull=skull))):
         scene = Scene(body=body, terms=(solid, contact), processes=(growth,))

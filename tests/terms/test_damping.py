@@ -16,7 +16,7 @@ from turingfold.terms.dynamics import Drag, Inertia, Mass
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 
-GRAY = NeoHookean(1.0, 5.0)
+GRAY = NeoHookean(mu=1.0, kappa=5.0)
 SOLID = Elastic(gray=GRAY)
 SMALL = 1e-5  # amplitude of a vibration: it is linear to this share
 
@@ -251,7 +251,7 @@ def test_a_sweep_without_inertia_says_why_it_cannot_be(tmp_path, monkeypatch, ca
     (tmp_path / "rod.py").write_text(
         "from turingfold import Drag, Elastic, Inertia, NeoHookean, Scene, semicircle\n"
         "def scenes(quick=False):\n"
-        "    terms = (Elastic(gray=NeoHookean(1.0, 5.0)), Inertia(density=1.0, scheme='midpoint'),\n"
+        "    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Inertia(density=1.0, scheme='midpoint'),\n"
         "             Drag(coefficient=1.0, scheme='midpoint'))\n"
         "    return {'one': Scene(body=semicircle(radius=1.0, thickness=0.3, size=0.5), terms=terms)}\n"
     )

@@ -25,7 +25,7 @@ def motion(scheme, dt, until=2.0, body=None):
     body = body or free_body()
     x, y = body.nodes
     velocity = np.stack([0.3 * x - 0.2 * y, 0.2 * x - 0.3 * y + 0.1])
-    solid = Elastic(gray=NeoHookean(1.0, 5.0))
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
     scene = Scene(
         body=body,
         terms=(solid, Inertia(density=1.0, scheme=scheme)),
@@ -102,7 +102,7 @@ def test_midpoint_angular_momentum_of_a_free_body():
 def test_drag_slows_towards_the_static_state():
     """u' = -(K/c) u: the step of backward Euler divides each mode by 1 + dt K/c."""
     body = semicircle(radius=1.0, thickness=0.3, size=0.3)
-    solid, drag = Elastic(gray=NeoHookean(1.0, 5.0)), Drag(coefficient=2.0)
+    solid, drag = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Drag(coefficient=2.0)
     n = body.nodes.shape[1]
     rng = np.random.default_rng(1)
     x, old = 1e-6 * rng.standard_normal((2, 2 * n))
@@ -137,7 +137,7 @@ def test_midpoint_is_of_second_order_with_growth():
     """Growth, like every load, is that of the time at which forces balance."""
     ends = []
     body = semicircle(radius=1.0, thickness=0.3, size=0.3)
-    solid, mass = Elastic(gray=NeoHookean(1.0, 5.0)), Inertia(density=1.0, scheme="midpoint")
+    solid, mass = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Inertia(density=1.0, scheme="midpoint")
     for steps in (40, 80, 160):  # waves through an element take 0.1
         made = Scene(
             body=body,

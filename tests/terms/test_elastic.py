@@ -161,7 +161,7 @@ def test_swelling_in_all_directions_presses_against_the_fixed_depth(body):
 
 def test_projection_makes_an_indefinite_tangent_semidefinite():
     body = semicircle(radius=1.0, thickness=0.4, size=0.4, base="free")
-    potential = Elastic(gray=NeoHookean(1.0, 5.0)).on(body).during(grown(body, 1.0, cortex=2.5), 0.1)
+    potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(body).during(grown(body, 1.0, cortex=2.5), 0.1)
     for x in admissible(body, potential, 0.9):
         true, convex = check_semidefinite(potential, x)
         assert true < -1e-3  # there was something to take away
@@ -170,7 +170,7 @@ def test_projection_makes_an_indefinite_tangent_semidefinite():
 
 def test_partial_convexity_takes_away_that_share():
     body = square()
-    potential = Elastic(gray=NeoHookean(1.0, 5.0)).on(body).during(grown(body, 1.0, cortex=2.5), 0.1)
+    potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(body).during(grown(body, 1.0, cortex=2.5), 0.1)
     here = potential.evaluate(admissible(body, potential, 0.8, (0,))[0])
     none, some, full = (here.hessian(c).values for c in (0.0, 0.3, 1.0))
     assert np.abs(full - none).max() > 1e-3
@@ -206,7 +206,8 @@ def test_fields_of_another_shape_are_refused(body, element, name, shape):
 
 def test_sigmoid_layers_blend_the_moduli():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)
-    mu, kappa = Elastic(gray=NeoHookean(1.0, 5.0), white=NeoHookean(3.0, 7.0), layers="sigmoid").moduli(body)
+    gray, white = NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=3.0, kappa=7.0)
+    mu, kappa = Elastic(gray=gray, white=white, layers="sigmoid").moduli(body)
     share = 1 / (1 + np.exp(10 * (body.depth / 0.2 - 1)))
     np.testing.assert_allclose(mu, 3 - 2 * share, rtol=1e-13)
     np.testing.assert_allclose(kappa, 7 - 2 * share, rtol=1e-13)

@@ -132,7 +132,13 @@ def test_moduli_of_document_one():
 def test_poisson_ratio_and_young_modulus_come_back(young, poisson):
     made = NeoHookean.from_young(young, poisson)
     assert made.poisson == pytest.approx(poisson, abs=1e-9)
-    assert 9 * made.kappa * made.mu / (3 * made.kappa + made.mu) == pytest.approx(young, rel=1e-9)
+    assert made.young == pytest.approx(young, rel=1e-9)
+
+
+def test_moduli_without_names_are_refused():
+    with pytest.raises(ValueError, match=r"NeoHookean\.from_young\(1389, 0\.4583\)") as failure:
+        NeoHookean(1389, 0.4583)  # E and ν, taken for μ and κ, would be a wrong material without a word
+    message_names(failure.value, "mu=", "kappa=", "Poisson")
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, float("nan"), float("inf"), "soft", None, True])

@@ -24,7 +24,7 @@ Quadratic = partial(Elastic, element="quadratic")
 
 
 def material(poisson, mu=1.0):
-    return NeoHookean(mu, 2 * mu * (1 + poisson) / (3 * (1 - 2 * poisson)))
+    return NeoHookean(mu=mu, kappa=2 * mu * (1 + poisson) / (3 * (1 - 2 * poisson)))
 
 
 def steps(scene):
@@ -75,7 +75,7 @@ def test_it_passes_the_examination(body, poisson, share, step):
     term = Mixed(gray=NeoHookean.from_young(1389.0, poisson), white=NeoHookean.from_young(1895.0, poisson))
     state = grown(body, cortex=1.6, core=1.1, radial_core=1.2, out_of_plane="tangential")
     x = shaken(body, term.on(body).during(state, 0.1), share)
-    softer = replace(term, gray=NeoHookean(0.7 * term.gray.mu, term.gray.kappa))
+    softer = replace(term, gray=NeoHookean(mu=0.7 * term.gray.mu, kappa=term.gray.kappa))
     check_term(term, body, consistent(term, body, state, x), [x], step=step, other=softer)
 
 
@@ -267,7 +267,7 @@ def bent(body, m):
 
 
 def test_cooks_membrane_nearly_incompressible():
-    rise, iterations = bent(membrane(8, 5), NeoHookean(80.1938, 400889.806))
+    rise, iterations = bent(membrane(8, 5), NeoHookean(mu=80.1938, kappa=400889.806))
     assert rise == pytest.approx(6.93, abs=0.01)
     assert iterations <= 20
 
@@ -280,7 +280,7 @@ def test_newton_takes_no_more_iterations_the_less_compressible_the_solid(poisson
 def test_it_does_not_lock():
     """Reference: the compliance of a solid tends to its limit as 1/κ."""
     body = membrane(4, 0)
-    rises = [bent(body, NeoHookean(80.1938, 80.1938 * ratio))[0] for ratio in (500.0, 5e3, 5e4)]
+    rises = [bent(body, NeoHookean(mu=80.1938, kappa=80.1938 * ratio))[0] for ratio in (500.0, 5e3, 5e4)]
     assert rises[0] - rises[1] == pytest.approx(10 * (rises[1] - rises[2]), rel=0.02)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,21 +18,30 @@ from .mirror import FLIP
 from .triangles import straight_mesh
 
 MOST = 2e6  # triangles in the cortex
+LARGEST = 5.0  # m, half a body; models in units of their own have a radius of about 1
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
 def semicircle(
-    *, radius: float, thickness: float, size: float, base: str = "clamped", coarsening: float = 1.35
+    *,
+    radius: float,
+    thickness: float,
+    size: float | None = None,
+    elements: float | None = None,
+    base: str = "clamped",
+    coarsening: float = 1.35,
 ) -> Body:
     """Return the upper half of a disc around the origin.
 
-    radius, thickness (of the cortex) and size (element edge in the cortex) in m; base "clamped", "roller" or
-    "free"; coarsening: growth of the element size from ring to ring below the cortex.
+    radius and thickness (of the cortex) in m; size: element edge in the cortex, m, or elements: their number
+    through the cortex; base "clamped", "roller" or "free"; coarsening: growth of the element size from ring
+    to ring below the cortex.
     """
     positive("radius", radius)
     return semiellipse(
-        width=2 * radius, height=radius, thickness=thickness, size=size, base=base, coarsening=coarsening
-    )
+        width=2 * radius, height=radius, thickness=thickness, size=size, elements=elements, base=base,
+        coarsening=coarsening,
+    )  # fmt: skip
 
 
 def semiellipse(
@@ -39,17 +49,20 @@ def semiellipse(
     width: float,
     height: float,
     thickness: float,
-    size: float,
+    size: float | None = None,
+    elements: float | None = None,
     base: str = "clamped",
     coarsening: float = 1.35,
 ) -> Body:
     """Return the upper half of an ellipse with its full width along the base and its apex at `height`; m.
 
-    The cortex has the same thickness everywhere, measured along the normal of the pial surface.
-    Raises ValueError where the normals of the pial surface would meet inside the cortex.
+    The cortex has the same thickness everywhere, measured along the normal of the pial surface. The other
+    arguments are those of `semicircle`.
+    Raises ValueError where the normals of the pial surface would meet inside the cortex. Warns of lengths
+    that seem to be in mm.
     """
     a, b = positive("width", width) / 2, positive("height", height)
-    positive("size", size)
+    size = element_size(size, elements, thickness)
     one_of("base", base, BASES)
     positive("coarsening", coarsening, at_most=3.0)
     if coarsening < 1:
@@ -72,7 +85,26 @@ def semiellipse(
         raise ValueError(
             f"size={size:g} m must be at most twice the thickness {thickness:g} m; use smaller elements."
         )
+    if max(a, b) > LARGEST:
+        warnings.warn(
+            f"a half width of {a:g} m and a height of {b:g} m with a cortex of {thickness:g} m: lengths are "
+            f"in m, {a:g} mm are {1e-3 * a:g}; loads in N/m and contact distances would not suit this body.",
+            stacklevel=2,
+        )
     return Body(_mirrored(_quarter_mesh(a, b, thickness, size, coarsening)), thickness, base)
+
+
+def element_size(size: float | None, elements: float | None, thickness: float) -> float:
+    """Return the element edge in the cortex, m: `size`, or thickness/elements; exactly one is to be given."""
+    if (size is None) == (elements is None):
+        given = "neither" if size is None else f"size={size!r} and elements={elements!r}"
+        raise ValueError(
+            f"{given} given: say either size= (element edge in the cortex, m) or elements= (their number "
+            "through the cortex)."
+        )
+    if elements is None:
+        return positive("size", size)
+    return positive("thickness", thickness) / positive("elements", elements)
 
 
 # The right half is built from rings, then mirrored: symmetry holds to the last bit.

@@ -15,6 +15,7 @@ from skfem import MeshTri1, MeshTri2
 from ..arrays import Array, Integers
 from ..checks import between, finite_array, instance, one_of, positive
 from ..geometry.body import BASES, Body
+from ..geometry.shapes import element_size
 from .fill import Frame, Size, fill
 from .line import Line, line
 from .offset import interface, onto_base, refuse_thick
@@ -54,7 +55,8 @@ def outline(
     points: Any,
     *,
     thickness: float,
-    size: float,
+    size: float | None = None,
+    elements: float | None = None,
     base: str = "free",
     base_ends: Any = None,
     smooth: float = 0.0,
@@ -67,7 +69,8 @@ def outline(
     points: (2, n) or (n, 2) in m, in order. Clockwise curves are turned round, repeated points merged, and
     points closer than a tenth of `size` to the one before left out; see `closed_outline` for what is refused.
     thickness of the cortex, at most two thirds of the largest depth below the pial surface, and size (element
-    edge in the cortex) in m; below the cortex elements grow by `grading` m per m of depth.
+    edge in the cortex) in m; in place of size: elements, their number through the cortex. Below the cortex
+    elements grow by `grading` m per m of depth.
     base: "free" (the whole curve may be pial), "clamped" or "roller"; the last two need
     base_ends: two points ((x, y), (x, y)) in m; the base runs counter-clockwise along the outline from the
     point of `points` nearest the first to the one nearest the second, each within `size` of the outline. The
@@ -79,6 +82,7 @@ def outline(
     fine: a disc, or several, of smaller elements in the cortex, as in zones of thinner cortex or more growth.
     Raises ValueError for what cannot be meshed with angles of at least 20 degrees.
     """
+    size = element_size(size, elements, thickness)
     _check_options(thickness, size, base, base_ends, smooth, tight, grading)
     discs = tuple(fine) if isinstance(fine, (tuple, list)) else (fine,)
     for disc in discs:

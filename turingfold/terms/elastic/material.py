@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ...arrays import Array
 from ...checks import finite, positive
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NeoHookean:
     """Compressible neo-Hookean solid, ψ = μ/2 (I₁ J^{-2/3} - 3) + κ/2 (J - 1)² per unit reference volume.
 
@@ -20,11 +21,22 @@ class NeoHookean:
     *A Mathematical Model of Cerebral Cortical Folding Development* prints the exponent as +2/3 (its energy
     has no minimum at rest; it must be -2/3), calls κ = E/(3(1-2ν)) the shear modulus μ, and gives white/gray
     as 1.39 where its own moduli make 1895/1389 = 1.364. None of the three is used here.
-    Raises ValueError unless both moduli are positive.
+    Raises ValueError unless both moduli are positive and given by name.
     """
 
     mu: float
     kappa: float
+
+    def __new__(cls, *unnamed: Any, **named: Any) -> NeoHookean:
+        """Refuse moduli without names: two numbers may be E and ν as well as μ and κ."""
+        if unnamed:
+            numbers = ", ".join(map(repr, unnamed))
+            raise ValueError(
+                f"NeoHookean({numbers}) does not say which moduli these are; write "
+                f"NeoHookean.from_young({numbers}) for Young's modulus and Poisson's ratio, or "
+                "NeoHookean(mu=..., kappa=...) for the shear and the bulk modulus in Pa."
+            )
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         positive("mu", self.mu, remedy="give the shear modulus in Pa")
@@ -40,6 +52,11 @@ class NeoHookean:
                 "for nearly incompressible tissue use 0.4999 or less."
             )
         return cls(mu=E / (2 * (1 + nu)), kappa=E / (3 * (1 - 2 * nu)))
+
+    @property
+    def young(self) -> float:
+        """Young's modulus, 9κμ/(3κ + μ); Pa."""
+        return 9 * self.kappa * self.mu / (3 * self.kappa + self.mu)
 
     @property
     def poisson(self) -> float:
