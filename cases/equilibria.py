@@ -59,7 +59,7 @@ def draw(results, figure):
     title = f"energy at the end: path {path.points[-1].energy:.4f}, marches {energies} J/m"
     axes.set_title(title, fontsize=9)
     axes.legend(frameon=False, fontsize=8, loc="upper left")
-    followed = Result(scene, tuple(point.state for point in path.points), (), converged=True)
+    followed = Result(scene, tuple(point.state for point in path.points), ())
     # the last state of each stable piece: at the limit point where it ends, or at the end of growth
     ends = np.flatnonzero(path.stable & ~np.append(path.stable[1:], False) & (path.of("rate") > 0))
     for k, place in enumerate(ends[:3]):

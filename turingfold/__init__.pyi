@@ -56,6 +56,7 @@ from .outlines.remesh import retraced as retraced
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError
 from .results.result import Result as Result
+from .results.result import UnfinishedWarning as UnfinishedWarning
 from .results.result import load as load
 from .results.simulate import CoarseMeshWarning as CoarseMeshWarning
 from .results.simulate import StoppedError as StoppedError

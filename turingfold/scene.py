@@ -54,6 +54,11 @@ class Scene:
             _written(term, term.reads, written)
 
 
+def reached(scene: Scene, time: float) -> bool:
+    """Return whether a time is the end of a scene, to round-off."""
+    return time >= scene.until * (1 - 1e-12)
+
+
 def stress_scale(terms: tuple[Term, ...]) -> float:
     """Return the largest shear modulus of the solids among the terms, or 1 Pa: the unit of stress."""
     return max((float(term.stress) for term in terms if isinstance(term, Solid)), default=1.0)

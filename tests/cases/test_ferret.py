@@ -177,7 +177,7 @@ def test_panels_count_sulci_and_measure_them_in_thicknesses():
     angle = np.arctan2(y, x)
     wavy = 0.06 * np.cos(10 * angle) * np.hypot(x, y)  # crests at the ends, fundi at π/10, 3π/10, ...
     moved = State(1.0, {"displacement": wavy * np.stack([np.cos(angle), np.sin(angle)])})
-    result = Result(Scene(body=body, terms=(SOLID,)), (moved,), (), converged=True)
+    result = Result(Scene(body=body, terms=(SOLID,)), (moved,), ())
     found = figures.numbers(result)
     assert found.startswith("5 sulci, GI 1.0")
     depth = float(found.split()[-2])

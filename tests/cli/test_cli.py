@@ -202,13 +202,16 @@ def test_scenes_in_processes(written, capsys):
 def test_a_stopped_solve_is_status_3_and_the_rest_is_done(written, tmp_path, capsys):
     assert main(["run", written(STOPS)]) == 3
     out, err = capsys.readouterr()
-    assert "STOPPED EARLY" in out
+    assert "STOPPED" in out
     assert "stops: " in err
     assert "it stumbled over a long long" in " ".join(err.split())
     assert max(map(len, err.splitlines()[1:])) <= 100  # after the note
     assert "Traceback" not in err
     stops, grows = (tmp_path / "results/tiny" / name / "summary.json" for name in ("stops", "grows"))
-    assert json.loads(stops.read_text())["converged"] is False
+    last = json.loads(stops.read_text())
+    assert last["converged"] is False
+    assert f"drawn unfinished: stops: stopped at t = {last['time']:.6g} of 1" in " ".join(err.split())
+    assert (tmp_path / "results/tiny/tiny.png").exists()
     assert json.loads(grows.read_text())["converged"] is True
 
 

@@ -225,7 +225,7 @@ def test_closed_surfaces_are_drawn_closed_and_have_no_peak_at_a_seam(figure, dis
     angle = np.arctan2(band[1], band[0]) - np.arctan2(first[1], first[0])
     pattern = 0.5 + 0.5 * np.cos(5 * angle)  # a peak where the pial nodes begin and end
     rest = {"displacement": np.zeros_like(disc.nodes), "growth": np.ones((2, *disc.quadrature.weights.shape))}
-    result = Result(scene, (State(0.0, rest), State(1.0, rest | {"pattern": pattern})), (), True)
+    result = Result(scene, (State(0.0, rest), State(1.0, rest | {"pattern": pattern})), ())
     axes = figure.add_subplot()
     figures.peaks(axes, result)
     assert len(axes.lines[0].get_xdata()) == 5

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from time import perf_counter
 
 from ..results.result import Result, Row
-from ..scene import Scene
+from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..state import State
 
@@ -50,9 +50,12 @@ class Trial:
     @property
     def ended(self) -> bool:
         """Whether the end of the scene is reached."""
-        return self.states[-1].time >= self.scene.until * (1 - 1e-12)
+        return reached(self.scene, self.states[-1].time)
 
     @property
     def result(self) -> Result:
         """What has come of the scene so far."""
-        return Result(self.scene, tuple(self.states), tuple(self.history), self.ended, self.seconds)
+        status = "converged" if self.ended else "interrupted"
+        return Result(
+            self.scene, tuple(self.states), tuple(self.history), status, seconds=self.seconds
+        )

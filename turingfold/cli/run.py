@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SolveError
-from ..figures.style import sulci
+from ..figures.style import mark_unfinished, sulci
 from ..results.codec import Arrays
 from ..results.document import rebuilt, stored
 from ..results.files import write_whole
 from ..results.folder import check_folder
 from ..results.history import read_history
-from ..results.result import Result, Row, length_unit, load
+from ..results.result import Result, Row, length_unit, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness, simulate
 from ..scene import Scene
 from .case import Case, explained, folder_name, load_case
@@ -68,20 +68,18 @@ def run_case(case: Case, options: argparse.Namespace) -> int:
         else:
             stopped = _in_turn(jobs, scenes, report)
     begun = [job for job in jobs if (job.folder / "states").is_dir()]
-    results = {job.name: load(job.folder, known=case.known) for job in begun}
+    results = {job.name: read_result(job.folder, known=case.known) for job in begun}
     _warn_if_coarse(results)
     for line in told(case.name, results, base):
         print(line)
     for name, message in stopped.items():
         complain(f"{name}: {message}")
-    if stopped:
-        return STOPPED
     if case.draw is not None:
         if missing := _without_result(_drawn(case, options), base):
             print(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
         else:
             print(f"figure: {draw(case, options)}")
-    return 0
+    return STOPPED if stopped else 0
 
 
 def _check_folders(jobs: Iterable[Job], scenes: Mapping[str, Scene]) -> None:
@@ -133,11 +131,12 @@ def draw(case: Case, options: argparse.Namespace) -> Path:
         else:
             command = run_command(options, missing if len(missing) < len(names) else ())
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
-    results = {name: load(base / folder_name(name), known=case.known) for name in names}
+    results = {name: read_result(base / folder_name(name), known=case.known) for name in names}
     apart = bool(options.quick or options.out is not None or case.variation)
     path = figure_path(case.path.with_stem(case.name), base, apart=apart)
     with explained(case.path), save_figure(path) as figure:
         case.draw(results, figure)
+        mark_unfinished(figure, results)
     return path
 
 
@@ -268,12 +267,12 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
             yield (
                 f"{name:<{width}}  growth {s['growth']:.2f}  {sulci(s['folds']):>9}  gyrification "
                 f"{s['gyrification_index']:.2f}  {_gyri(s['registration'])}  {s['steps']} steps, "
-                f"{s['seconds']:.0f} s{'' if s['converged'] else '  STOPPED EARLY'}"
+                f"{s['seconds']:.0f} s{'' if s['converged'] else '  ' + s['status'].upper()}"
             )
         yield f"results: {base}"
         return
     name, s = next(iter(summaries.items()))
-    end = "reached the end" if s["converged"] else "STOPPED EARLY"
+    end = results[name].unfinished or "reached the end"
     yield (
         f"{case}, {name}: {end} at growth {s['growth']:.2f} in {s['seconds']:.0f} s ({s['steps']} steps, "
         f"{s['newton_iterations']} Newton iterations, {s['dofs']} unknowns)"

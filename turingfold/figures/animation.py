@@ -57,6 +57,7 @@ def frames(figure: Figure, result: Result, field: str, *, last: int = 1) -> Iter
     limits = field_limits(result, field=field)
     low, high = _box(result)
     figure.set_size_inches(WIDTH, _even(0.9 * WIDTH * float((high - low)[1] / (high - low)[0]) + 0.5))
+    unfinished = f"; {result.unfinished}" if result.unfinished else ""
     for step in range(len(result.states)):
         figure.clear()
         axes = figure.add_subplot()
@@ -64,7 +65,7 @@ def frames(figure: Figure, result: Result, field: str, *, last: int = 1) -> Iter
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
         folds = fold_count(result.pial(step), closed=pial_closed(result.scene.body))
-        axes.set_title(f"growth {largest_growth(result.states[step]):.2f}, {sulci(folds)}")
+        axes.set_title(f"growth {largest_growth(result.states[step]):.2f}, {sulci(folds)}{unfinished}")
         for _ in range(1 if step < len(result.states) - 1 else last):
             yield step
 

@@ -6,17 +6,20 @@ A PNG is made smaller by `compact`.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Array, Booleans, Integers, add_up
 from ..geometry.body import Body
+from ..results.result import Result, UnfinishedWarning
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
 
 MM = 1e3
 CORE, INK = "#e8e6e1", "#333333"
@@ -95,6 +98,14 @@ def per_length(points: Array, forces: Array, count: int) -> tuple[Array, Array]:
 def shown(number: float) -> str:
     """Return a number with two digits that count, without an exponent."""
     return f"{float(f'{number:.2g}'):g}"
+
+
+def mark_unfinished(figure: Figure, results: Mapping[str, Result]) -> None:
+    """Write below a figure, and warn, which of its results did not reach the end of their scenes."""
+    words = [f"{name}: {result.unfinished}" for name, result in results.items() if result.unfinished]
+    if words:
+        figure.supxlabel("\n".join(words), color="C3", fontsize=8)
+        warnings.warn("drawn unfinished: " + "; ".join(words), UnfinishedWarning, stacklevel=2)
 
 
 def sulci(count: int) -> str:

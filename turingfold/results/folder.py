@@ -2,8 +2,8 @@
 
     scene.json, body.npz       what was run: every part and value, versions, seed; it can be rebuilt and rerun
     history.csv                a row per accepted step
-    summary.json               the numbers at the end; also after a failure, with converged = false
-    states/000012.npz          fields of the state after step 12, exactly
+    summary.json               the numbers of the last state, and how the run ended; none of a run that was killed
+    states/000012.npz          fields of the state after step 12, exactly; the last state is always there
     frames/000012.vtu, frames.pvd   the same for ParaView
     checkpoint-000012.npz      from which the run goes on bit for bit; the last two are kept
 """
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..solve.march import Progress
 from ..solve.newton import Memory
 from ..solve.prediction import Past
-from ..scene import Scene
+from ..scene import Scene, reached
 from ..state import State
 from .codec import Arrays
 from .document import difference, stored
@@ -114,6 +114,8 @@ class ResultFolder:
             self._rewrite_history()
             self._index = [(t, f) for t, f in read_index(self.path) if int(Path(f).stem) <= found.step]
             self._clear("states/*.npz", "frames/*.vtu", after=found.step)
+            if not reached(self.scene, found.progress.state.time):
+                self._clear("summary.json")  # from here on it is not what it says
             return found
         self._rows, self._index = [], []
         self._clear(*MADE)
@@ -129,6 +131,19 @@ class ResultFolder:
         except CorruptFileError:
             return True
         return not (self.path / frame).exists()
+
+    def cut(self, step: int) -> None:
+        """Remove what was written after a step, by one that was interrupted while it was written down."""
+        self._clear("states/*.npz", "frames/*.vtu", after=step)
+        if len(self._rows) > step:
+            self._rows = self._rows[:step]
+            self._rewrite_history()
+
+    def remove_state(self, step: int) -> None:
+        """Remove a state that was kept only because the run ended there."""
+        self._clear(f"states/{step:06d}.npz", f"frames/{step:06d}.vtu")
+        self._index = [entry for entry in self._index if entry[1] != f"frames/{step:06d}.vtu"]
+        self._write_index()
 
     def history(self) -> list[Row]:
         """Return the rows up to the checkpoint."""
@@ -158,13 +173,18 @@ class ResultFolder:
 
     def add_state(self, step: int, state: State, observed: Mapping[str, NDArray[np.float64]]) -> None:
         """Keep a state, exactly and as a frame for ParaView."""
-        from .vtu import frame, index
+        from .vtu import frame
 
         name = f"{step:06d}"
         write_arrays(self.path / "states" / f"{name}.npz", {"time": np.array(state.time), **state.fields})
         write_whole(self.path / "frames" / f"{name}.vtu", frame(self.scene.body, state, observed))
         self._index = [entry for entry in self._index if entry[1] != f"frames/{name}.vtu"]
         self._index.append((state.time, f"frames/{name}.vtu"))
+        self._write_index()
+
+    def _write_index(self) -> None:
+        from .vtu import index
+
         write_whole(self.path / "frames.pvd", index(self._index))
 
     def save(
@@ -211,8 +231,41 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         )
 
 
-def read_states(path: Path, until: float = float("inf")) -> list[State]:
-    """Return the kept states up to a time; damaged ones are left out, with a warning."""
+@dataclass(frozen=True)
+class Ending:
+    """How a stored run ended: what summary.json says, or what its absence means."""
+
+    status: str = "interrupted"
+    message: str = "It was killed and has no summary; go on with resume=True (--resume)."
+    seconds: float | None = None
+    seconds_by_part: Mapping[str, float] = field(default_factory=dict)
+
+
+def read_ending(path: Path) -> Ending:
+    """Return how the run of a folder ended."""
+    file = path / "summary.json"
+    if not file.exists():
+        return Ending()
+    summary = read_json(file)
+    return Ending(*(summary[name] for name in ("status", "message", "seconds", "seconds_by_part")))
+
+
+def read_states(path: Path) -> list[State]:
+    """Return the kept states, and the last one, which of a run that was killed is in the checkpoint only."""
+    states = kept_states(path)
+    last = max((file.stem for file in (path / "states").glob("*.npz")), default="")
+    for file in sorted(path.glob("checkpoint-*.npz"), reverse=True):
+        if file.stem.removeprefix("checkpoint-") <= last:
+            break
+        try:
+            return [*states, _checkpoint(read_arrays(file)).progress.state]
+        except CorruptFileError as error:
+            warnings.warn(str(error), stacklevel=2)
+    return states
+
+
+def kept_states(path: Path) -> list[State]:
+    """Return the kept states; damaged ones are left out, with a warning."""
     states = []
     for file in sorted((path / "states").glob("*.npz")):
         try:
@@ -220,9 +273,7 @@ def read_states(path: Path, until: float = float("inf")) -> list[State]:
         except CorruptFileError as error:
             warnings.warn(str(error), stacklevel=2)
             continue
-        time = float(fields.pop("time"))
-        if time <= until:
-            states.append(State(time, fields))
+        states.append(State(float(fields.pop("time")), fields))
     return states
 
 

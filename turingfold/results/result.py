@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,14 +13,16 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..checks import finite, one_of, whole
 from ..geometry.body import Body
-from ..checks import whole
 from ..growth.measure import largest_growth
-from ..solve.march import acting, discretised
-from ..scene import Scene, stress_scale
 from ..parts import Operator
+from ..scene import Scene, stress_scale
+from ..solve.march import acting, discretised
 from ..state import State
-from ..geometry.triangles import folded_over
+from .measures import area_numbers, fold_numbers, pial_pattern
+from .surface import along_pial as along_pial
+from .surface import pial_closed as pial_closed
 
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
@@ -27,6 +30,11 @@ FilePath = str | os.PathLike[str]
 NAN = float("nan")
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
+STATUSES = ("converged", "stopped", "interrupted", "running", "invalid")
+
+
+class UnfinishedWarning(UserWarning):
+    """A stored result whose last state is not the end of its scene, or is no valid one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,20 +43,40 @@ class Result:
 
     states: every accepted state, the start first; of a result read from disk, those that were kept.
     history: a row per accepted step, by column name; NaN where something does not exist.
-    converged: whether the end of the scene was reached.  seconds, seconds_by_part: time spent.
+    status: "converged": the end of the scene was reached; "stopped": no further step was possible;
+    "interrupted": by Ctrl-C or a kill; "running": still, in another process; "invalid": the end was reached,
+    but with triangles turned over or the pial surface crossing itself.  message: what to know about it.
+    seconds, seconds_by_part: time spent.
+    Raises ValueError for another status.
     """
 
     scene: Scene
     states: tuple[State, ...]
     history: tuple[Row, ...]
-    converged: bool
+    status: str = "converged"
+    message: str = ""
     seconds: float = NAN
     seconds_by_part: Mapping[str, float] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        one_of("status", self.status, STATUSES)
+
     def __repr__(self) -> str:
         """Return it in a line; the arrays would fill pages."""
-        growth, end = largest_growth(self.last), "reached the end" if self.converged else "stopped early"
-        return f"Result({end} at t = {self.last.time:.4g}, growth {growth:.3g}, {len(self.history)} steps)"
+        end = self.unfinished or f"reached the end at t = {self.last.time:.4g}"
+        return f"Result({end}, growth {largest_growth(self.last):.3g}, {len(self.history)} steps)"
+
+    @property
+    def converged(self) -> bool:
+        """Whether the end of the scene was reached, with a valid state."""
+        return self.status == "converged"
+
+    @property
+    def unfinished(self) -> str:
+        """What to say in a title of a result that is not converged; nothing of one that is."""
+        if self.converged:
+            return ""
+        return f"{self.status} at t = {self.last.time:.6g} of {self.scene.until:.6g}"
 
     @property
     def last(self) -> State:
@@ -63,6 +91,23 @@ class Result:
         body = self.scene.body
         return along_pial(body, (body.nodes + self._state(step)["displacement"])[:, body.pial])
 
+    def at(self, *, time: float, exact: bool = False) -> int:
+        """Return the step of the state nearest to a time, for `states`, `pial`, `pattern` and `observe`.
+
+        Raises ValueError for a time beyond the first and last state's, and, if it must be `exact`, for one
+        without a state.
+        """
+        times, time = np.array([state.time for state in self.states]), finite("time", time)
+        step, tolerance = int(np.argmin(np.abs(times - time))), 1e-9 * self.scene.until
+        if not times[0] - tolerance <= time <= times[-1] + tolerance:
+            raise ValueError(f"time={time:g} must be between {times[0]:g} and {times[-1]:g}, the last state's.")
+        if exact and abs(times[step] - time) > tolerance:
+            raise ValueError(
+                f"time={time:g} has no state; the nearest is of {times[step]:g}. Leave out exact=True, or keep "
+                "more states (frames=)."
+            )
+        return step
+
     def _state(self, step: int) -> State:
         count = len(self.states)
         known = f"the result has {count} states, 0 to {count - 1} or, from the last one, -1 to -{count}"
@@ -72,11 +117,7 @@ class Result:
 
     def pattern(self, step: int = -1) -> Array | None:
         """Return the pattern û at the points of `pial`, (n,), or None without a pattern; raises as `pial`."""
-        body, state = self.scene.body, self._state(step)
-        if "pattern" not in state:
-            return None
-        everywhere = body.spread(body.cortex, state["pattern"], outside=0.0)
-        return along_pial(body, everywhere[body.pial])
+        return pial_pattern(self.scene.body, self._state(step))
 
     def observe(self, step: int = -1) -> dict[str, Array]:
         """Return von_mises and pressure (Pa), jacobian and what else the terms show, each (q, e).
@@ -97,13 +138,15 @@ class Result:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between the straight
-        edges that join neighbouring nodes.  inverted_elements: triangles turned over at a corner or an edge
-        middle, which only the forces around them prevent.  sulcal_depth, mirror_error: m, the latter None
-        for a body that is not its own mirror image.  seconds_by_part: s.
+        edges that join neighbouring nodes.  area_growth, core_growth, centre_growth, inverted_elements,
+        sulcal_depth, mirror_error: `measures`.  seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
         last = rows[-1] if rows else {}
         return {
+            "status": self.status,
+            "message": self.message,
+            "time": self.last.time,
             "dofs": body.nodes.size - len(body.fixed),
             "triangles": body.mesh.nelements,
             "elements_through_cortex": round(body.elements_through_cortex, 2),
@@ -117,52 +160,43 @@ class Result:
             "residual": _number(last.get("residual", NAN)),
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
-            "inverted_elements": len(folded_over(body.mesh, body.nodes + self.last["displacement"])),
-            **self._shape(),
+            **area_numbers(body, self.last),
+            **fold_numbers(body, self.last),
             "converged": self.converged,
-        }
-
-    def _shape(self) -> dict[str, float | None]:
-        from ..morphometry.folds import fold_count, sulcal_depth
-        from ..morphometry.registration import registration
-        from ..morphometry.shape import gyrification_index
-        from ..morphometry.walls import mirror_error, self_intersections
-
-        body, pial, pattern = self.scene.body, self.pial(), self.pattern()
-        rest = along_pial(body, body.nodes[:, body.pial])
-        closed = pial_closed(body)
-        symmetric = mirror_error(rest) <= 1e-9 * body.length
-        return {
-            "self_intersections": self_intersections(pial, closed=closed),
-            "gyrification_index": gyrification_index(pial, closed=closed),
-            "folds": fold_count(pial, closed=closed),
-            "sulcal_depth": sulcal_depth(pial, closed=closed),
-            "mirror_error": mirror_error(pial) if symmetric else None,
-            "registration": None if pattern is None else registration(pattern, pial, rest, closed=closed),
         }
 
 
 def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
-    """Return the result stored in a folder; its states are those that were kept.
+    """Return the result stored in a folder; its states are those that were kept, and the last one.
 
     known: classes and functions from outside turingfold that the scene is made of.
-    Raises ValueError if the folder holds no result or one whose scene cannot be rebuilt.
+    Warns (UnfinishedWarning) of a result that did not reach its scene's end.
+    Raises ValueError if the folder holds no result or one whose scene cannot be rebuilt, CorruptFileError
+    where a file is damaged.
     """
+    result = read_result(folder, known=known)
+    if result.unfinished:
+        warnings.warn(f"{folder}: {result.unfinished}. {result.message}", UnfinishedWarning, stacklevel=2)
+    return result
+
+
+def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
+    """Do what `load` does, without a warning."""
     from .document import read_scene
-    from .files import read_json
-    from .folder import read_states
+    from .folder import read_ending, read_states
     from .history import read_history
 
     path = Path(folder)
-    scene = read_scene(path, known)
-    states, history = read_states(path), read_history(path)
+    scene, states = read_scene(path, known), read_states(path)
     if not states:
         raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
-    file = path / "summary.json"
-    summary = read_json(file) if file.exists() else {}
-    seconds = summary.get("seconds", float(sum(row["seconds"] for row in history)))
-    parts, converged = summary.get("seconds_by_part", {}), bool(summary.get("converged", False))
-    return Result(scene, tuple(states), tuple(history), converged, seconds, parts)
+    # of a run that was killed, what is beyond the last state with a row, or the last row with a state, is lost
+    history = [row for row in read_history(path) if row["time"] <= states[-1].time]
+    states = [state for state in states if state.time <= (history[-1]["time"] if history else 0.0)]
+    ending = read_ending(path)
+    seconds = sum(row["seconds"] for row in history) if ending.seconds is None else ending.seconds
+    parts = ending.seconds_by_part
+    return Result(scene, tuple(states), tuple(history), ending.status, ending.message, seconds, parts)
 
 
 def observe(operators: Sequence[Operator], state: State, dt: float) -> dict[str, Array]:
@@ -188,32 +222,6 @@ def stress_unit(scene: Scene) -> tuple[float, str]:
     That is 1e3 Pa, "kPa"; for moduli that are no tissue's in Pa, the largest below 10, 1 without a name.
     """
     return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
-
-
-def along_pial(body: Body, values: Array) -> Array:
-    """Return values (n,) or points (2, n) along the pial surface; a half body's with their mirror image."""
-    if not body.mirror:
-        return values
-    line, first, last = _mirror(body)
-    image = values[..., ::-1].copy()
-    if values.ndim == 2:
-        image[0] = 2 * line - image[0]
-    # a point on the mirror is its own image
-    if last:
-        return np.concatenate([values, image[..., 1 : image.shape[-1] - first]], axis=-1)
-    return np.concatenate([image[..., : image.shape[-1] - first], values], axis=-1)
-
-
-def pial_closed(body: Body) -> bool:
-    """Return whether the pial surface, completed by its image, is closed."""
-    return all(_mirror(body)[1:]) if body.mirror else body.pial_curve.closed
-
-
-def _mirror(body: Body) -> tuple[float, bool, bool]:
-    """Return x of the mirror, and whether the pial surface starts and ends on it."""
-    line = float(body.nodes[0, body.boundary_path("mirror")[0][0]])
-    first, last = np.abs(body.nodes[0, body.pial[[0, -1]]] - line) <= 1e-9 * body.length
-    return line, bool(first), bool(last)
 
 
 def _smallest(rows: Sequence[Row], name: str) -> float | None:

@@ -10,16 +10,20 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from ..checks import instance, whole
-from ..growth.measure import largest_growth
-from ..solve.march import Progress, Step, begin, discretised, march
-from .result import FilePath, Result, Row, along_pial, observe, pial_closed
-from ..scene import Scene
 from ..errors import NotConvergedError, SolveError
+from ..geometry.body import Body
+from ..growth.measure import largest_growth
+from ..scene import Scene, reached
+from ..solve.march import Progress, Step, begin, discretised, march
 from ..state import State
+from .measures import fold_numbers
+from .result import FilePath, Result, Row, observe
+from .surface import along_pial, pial_closed
 
 if TYPE_CHECKING:
     from .folder import ResultFolder
 
+GO_ON = "The last accepted state is kept; go on with resume=True (--resume)."
 CHECKPOINT = 1.0  # s between checkpoints
 ENOUGH = 4  # elements through the cortex: the onset of buckling is then within 0.1 %
 
@@ -116,9 +120,9 @@ class _Run:
             for step, position in march(self.scene, self.position):
                 self._accept(step, position)
         except SolveError as error:
-            raise StoppedError(error, self._finish()) from error
+            raise StoppedError(error, self._finish("stopped", str(error))) from error
         except KeyboardInterrupt:
-            self._finish()
+            self._finish("interrupted", GO_ON)
             raise
         return self._finish()
 
@@ -130,17 +134,20 @@ class _Run:
             self.states.append(position.state)
             self.parts["starting"] = self._seconds()
             if self.folder is not None:
-                shown = observe(discretised(self.scene)[0], position.state, position.dt)
-                self.folder.add_state(0, position.state, shown)
+                self._keep(0, position)
                 self._save(position)
             return position
-        from .folder import read_states
+        from .folder import kept_states
 
-        state, dt = found.progress.state, found.progress.previous_dt or found.progress.dt
-        if self.folder.lost(found.step):
-            self.folder.add_state(found.step, state, observe(discretised(self.scene)[0], state, dt))
-        self.history = self.folder.history()
-        self.states = [s for s in read_states(self.folder.path, state.time) if s.time < state.time] + [state]
+        state, self.history = found.progress.state, self.folder.history()
+        before = self.history[-2]["time"] if found.step > 1 else 0.0
+        if found.step == 0 or _due(before, state.time, self.scene.until, self.frames):
+            if self.folder.lost(found.step):
+                self._keep(found.step, found.progress)
+        elif not reached(self.scene, state.time):  # kept only because the run ended there
+            self.folder.remove_state(found.step)
+        earlier = [kept for kept in kept_states(self.folder.path) if kept.time < state.time]
+        self.states = [*earlier, state]
         self.parts, self.spent = dict(found.seconds_by_part), found.seconds
         return found.progress
 
@@ -167,15 +174,28 @@ class _Run:
         if self.progress is not None:
             self.progress(row)
 
-    def _finish(self) -> Result:
+    def _finish(self, status: str = "interrupted", message: str = GO_ON) -> Result:
+        """Write down the last accepted state, and return what has come of the scene."""
         if self.position is not None:
             self._save(self.position)
-        reached = self.states[-1].time >= self.scene.until * (1 - 1e-12)
+        if self.folder is not None:
+            self.folder.cut(len(self.history))
+        if reached(self.scene, self.states[-1].time):
+            status, message = _validity(self.scene.body, self.states[-1])
+        elif self.folder is not None and self.position is not None:
+            self._keep(len(self.history), self.position)
         states, history = tuple(self.states), tuple(self.history)
-        result = Result(self.scene, states, history, reached, self._seconds(), self._parts())
+        result = Result(self.scene, states, history, status, message, self._seconds(), self._parts())
         if self.folder is not None:
             self.folder.summarise(result.summary())
         return result
+
+    def _keep(self, step: int, position: Progress) -> None:
+        """Keep the state of a step that was not just taken, on disk."""
+        assert self.folder is not None
+        dt = position.previous_dt or position.dt
+        shown = observe(discretised(self.scene)[0], position.state, dt)
+        self.folder.add_state(step, position.state, shown)
 
     def _save(self, position: Progress) -> None:
         if self.folder is not None:
@@ -188,6 +208,18 @@ class _Run:
     def _parts(self) -> dict[str, float]:
         parts = [*self.parts, *(part for part in self.marching if part not in self.parts)]
         return {part: self.parts.get(part, 0.0) + self.marching.get(part, 0.0) for part in parts}
+
+
+def _validity(body: Body, state: State) -> tuple[str, str]:
+    """Return status and message of a run that has reached its end in this state."""
+    numbers = fold_numbers(body, state)
+    turned, crossings = numbers["inverted_elements"], numbers["self_intersections"]
+    if not turned and not crossings:
+        return "converged", ""
+    return "invalid", (
+        f"The end was reached, but {turned} triangle(s) are turned over and the pial surface crosses itself "
+        f"{crossings} time(s). Try smaller elements, shorter steps (Stepping(largest=...)) or SelfContact()."
+    )
 
 
 def _due(before: float, now: float, until: float, frames: int) -> bool:
