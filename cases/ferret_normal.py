@@ -25,7 +25,7 @@ BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="s
 def scenes(quick=False):
     angle = 2 * np.pi * np.arange(240) / 240
     circle = np.stack([np.cos(angle), np.sin(angle)])
-    body = outline(circle, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4))
+    body = outline(circle, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4), layers="sigmoid")
     processes = (RateGrowth(rate=1.9, zones=(MIDDLE, BOTTOM)), Imperfection(amplitude=0.02))
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
     return {"continuous": Scene(body=body, processes=processes, terms=terms, until=0.1 if quick else P32)}

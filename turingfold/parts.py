@@ -1,159 +1,241 @@
 """What a part of a scene offers: processes change fields, terms contribute potential energy.
 
 A `Process` changes fields between equilibria (pattern, growth). A `Term` contributes potential energy
-(elasticity, tension, contact, inertia). Both are frozen descriptions; what is computed from them lives in the
-objects they return. Parts do not know each other: they meet in the state, by field name.
+(elasticity, tension, contact, inertia). Both are frozen descriptions; what is computed from them on a body
+lives in the object that `on(body)` returns. Parts do not know each other: they meet in the state, by the
+names of the fields that they declare. A part of a user's own derives from the classes here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 from .arrays import Array, Integers
 from .geometry.body import Body
 from .state import State
 
+Fields = dict[str, Array]
 
-@runtime_checkable
-class Process(Protocol):
-    """Changes fields between equilibria."""
+
+class Part(ABC):
+    """What processes and terms have in common: the fields by which they meet other parts."""
 
     @property
     def reads(self) -> tuple[str, ...]:
-        """Names of the fields needed."""
+        """Names of the fields that it needs."""
+        return ()
+
+    @property
+    def optional(self) -> tuple[str, ...]:
+        """Names of the fields that it uses where they exist."""
+        return ()
 
     @property
     def writes(self) -> tuple[str, ...]:
-        """Names of the fields made."""
+        """Names of the fields that it makes; of those of a term, only what some part reads is made."""
+        return ()
 
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the fields at the start; `state` holds those of earlier processes."""
-
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
-        """Return the fields at `state.time + dt`; empty where nothing changes."""
+    @abstractmethod
+    def on(self, body: Body) -> object:
+        """Return what is computed once on a body."""
 
 
-class Evaluation(Protocol):
-    """A potential at one configuration; gradient and Hessian are computed when asked for, once."""
+class Evolution(ABC):
+    """A process on a body."""
 
-    energy: float
-    grain: float  # differences of energy below this are round-off
-    curved: bool  # whether there is a Hessian
+    @abstractmethod
+    def start(self, state: State, seed: int) -> Fields:
+        """Return the fields at the scene's start; `state` holds those of earlier processes."""
 
-    def gradient(self) -> tuple[Array, float]:
-        """Return the gradient (2 n_nodes,) and the square of the force it is small or large against."""
+    @abstractmethod
+    def advance(self, before: State, now: State, dt: float) -> Fields:
+        """Return the fields at the time `now.time`, dt after `before`; empty where nothing changes.
 
-    def hessian(self, convexity: float) -> Hessian:
-        """Return the Hessian, blended from the true one (0) to its positive semi-definite projection (1)."""
+        before: the last accepted state, complete and in equilibrium: displacement, growth and stress belong
+        together.  now: the new time, and the fields that earlier processes have at that time.
+        """
+
+
+class Process(Part):
+    """Changes fields between equilibria."""
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """Names of those it writes that no other part has to read: results in themselves, and its memory."""
+        return ()
+
+    @property
+    def remembers(self) -> bool:
+        """Whether its fields depend on the steps by which a time was reached, and not on the time alone."""
+        return False
+
+    @abstractmethod
+    def on(self, body: Body) -> Evolution:
+        """Return the process on a body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """Places of matrix entries in the lower triangle; repeated places add up; both of one shape."""
+
+    rows: Integers
+    columns: Integers
 
 
 @dataclass(frozen=True)
 class Hessian:
-    """Lower-triangle entries: `values` at (`rows`, `columns`), repeated places adding up.
+    """Second derivatives: `values` at the places `entries`, of one shape.
 
-    lasting: the two index arrays are the same objects each time, so their places need be found only once.
-    room: rows and columns of entries that may come soon, asked for when places are made.
+    constant: whether the places are the same object at every evaluation, so that they are sorted once.
+    expected: returns places of entries that may come soon, asked for when the matrix gets a new sparsity.
     """
 
-    rows: Integers
-    columns: Integers
+    entries: Entries
     values: Array
-    lasting: bool
-    room: Callable[[], tuple[Integers, Integers]] | None = None
+    constant: bool = True
+    expected: Callable[[], Entries] | None = None
 
 
-class Potential(Protocol):
-    """A term on a body with the fields of one step frozen; x: displacement (2 n_nodes,), node by node."""
+class Evaluation(ABC):
+    """A potential at one displacement, with everything that was computed there.
 
-    def evaluate(self, x: Array) -> Evaluation | None:
-        """Return the evaluation at x, or None where the energy is infinite there."""
+    energy: J per m of depth.  round_off: differences of energy below this are round-off.
+    has_hessian: whether the energy is curved.
+    """
 
-    def largest_step(self, x: Array, direction: Array) -> float:
-        """Return a step in (0, 1] along `direction` that keeps the state admissible."""
+    energy: float
+    round_off: float = 0.0
+    has_hessian: bool = True
 
-    def finish(self, x: Array) -> dict[str, Array]:
-        """Return the fields that the next step needs, such as a velocity, or a displacement other than x."""
+    @abstractmethod
+    def gradient(self) -> tuple[Array, float]:
+        """Return the gradient (2 n_nodes,) and the square of the force that it is small or large against."""
 
-    def observe(self, x: Array) -> dict[str, Array]:
-        """Return fields to look at, such as a stress."""
+    @abstractmethod
+    def hessian(self, convexity: float) -> Hessian:
+        """Return the Hessian, blended from the true one (0) to its positive semi-definite projection (1)."""
 
-    def measure(self, x: Array) -> dict[str, float]:
-        """Return numbers for the history, such as the smallest gap."""
-
-
-class SimplePotential:
-    """What most potentials do beside having an energy: bound no step, leave nothing behind, show nothing."""
-
-    def largest_step(self, x: Array, direction: Array) -> float:
-        """Any step is admissible."""
+    def largest_step(self, direction: Array) -> float:
+        """Return a step in (0, 1] along a direction (2 n_nodes,) that keeps the state admissible: any."""
         return 1.0
 
-    def finish(self, x: Array) -> dict[str, Array]:
-        """Nothing is left for the next step."""
+    def finish(self, wanted: frozenset[str]) -> Fields:
+        """Return, of the fields that the term writes, those wanted: none."""
         return {}
 
-    def observe(self, x: Array) -> dict[str, Array]:
-        """Nothing to look at."""
+    def observe(self) -> Fields:
+        """Return fields to look at, such as stresses, each (q, e): none."""
         return {}
 
-    def measure(self, x: Array) -> dict[str, float]:
-        """Nothing to report."""
+    def measure(self) -> dict[str, float]:
+        """Return numbers for the history, such as the smallest gap: none."""
         return {}
 
 
-class Operator(Protocol):
-    """A term discretised on a body: everything that is computed once.
+class Ray(ABC):
+    """One energy along x + s d, as a line search sees it.
 
-    grounds: whether it resists rigid motions, so that a free body need not be held in place.
+    start: merit at s = 0.  excess: by how much the slope of the merit there exceeds that of the energy.
+    longest: step in (0, 1] that keeps the state admissible.
     """
 
-    grounds: bool
+    start: float
+    excess: float = 0.0
+    longest: float
 
-    def during(self, state: State, dt: float) -> Potential | None:
-        """Return the potential of the step that ends in `state`, or None if the term does nothing in it.
+    @abstractmethod
+    def at(self, step: float) -> tuple[float, Evaluation] | None:
+        """Return merit and evaluation at s = step, or None where the energy is infinite."""
 
-        `state` has the new time and the new fields of the processes, and the old displacement and velocity.
+
+class Condensed(Evaluation):
+    """An evaluation whose unknowns inside the elements are eliminated, and move along with the nodes.
+
+    A nearly incompressible solid has a narrow, curved valley of admissible volume: a step along the straight
+    Newton direction climbs its wall, and a search on the energy alone would cut every step down. So it gives
+    the merit of the search itself.
+    """
+
+    @abstractmethod
+    def along(self, direction: Array, decrease: float) -> Ray:
+        """Return the ray along `direction` (2 n_nodes,); decrease: slope of the total energy along it."""
+
+
+class Potential(ABC):
+    """A term on a body with the fields of one step frozen: an energy as a function of the displacement."""
+
+    @abstractmethod
+    def evaluate(self, x: Array) -> Evaluation | None:
+        """Return the evaluation at a displacement (2 n_nodes,), node by node; None for infinite energy."""
+
+
+@dataclass(frozen=True)
+class TimeStep:
+    """A step in time: its length, and the share of it after which forces balance, 1 (end) or 1/2 (middle)."""
+
+    length: float
+    balance: float = 1.0
+
+    @property
+    def span(self) -> float:
+        """The time from the start of the step until forces balance."""
+        return self.balance * self.length
+
+
+class Operator(ABC):
+    """A term on a body: everything that is computed once."""
+
+    @property
+    def resists_rigid_motions(self) -> bool:
+        """Whether it holds a body that nothing else supports."""
+        return False
+
+    @abstractmethod
+    def during(self, state: State, step: TimeStep) -> Potential | None:
+        """Return the potential of a step, or None if the term does nothing in it.
+
+        state: has the time at which forces balance and the fields of the processes at that time; displacement
+        and what terms have written are those before the step.
         """
 
 
-@runtime_checkable
-class Term(Protocol):
+class Term(Part):
     """Contributes potential energy, in J per m of depth."""
 
     @property
-    def reads(self) -> tuple[str, ...]:
-        """Names of the fields needed."""
+    def resists_motion(self) -> bool:
+        """Whether its energy depends on the equilibrium before the step, as of inertia and drag."""
+        return False
 
+    @abstractmethod
     def on(self, body: Body) -> Operator:
-        """Return the term discretised on `body`."""
+        """Return the term on a body."""
 
 
-class Load:
+class Load(Term):
     """Base of terms of which different ones may act in one scene: tensions along two lines add up."""
 
 
-@runtime_checkable
-class Solid(Protocol):
-    """A term with moduli; they set the unit of stress."""
+class Solid(Term):
+    """Base of terms with moduli; the largest shear modulus is the scene's unit of stress."""
 
     @property
-    def stress(self) -> float:
+    @abstractmethod
+    def shear_modulus(self) -> float:
         """The largest shear modulus; Pa."""
 
+    @abstractmethod
     def moduli(self, body: Body) -> tuple[Array, Array]:
         """Return shear and bulk modulus at the integration points, each (q, e); Pa."""
 
 
-@runtime_checkable
-class Timed(Protocol):
-    """A term that resists motion, by the scheme that says at what time of a step forces balance."""
-
-    @property
-    def scheme(self) -> str:
-        """The scheme, "euler" for the end and "midpoint" for the middle of the step."""
-
-    @property
-    def ends_step(self) -> bool:
-        """Whether its potential moves the body on from the middle to the end of the step (`finish`)."""
+def declared(part: Part, fields: object, by: str) -> Mapping[str, Array]:
+    """Return the fields that a part made; raises ValueError for what is no dict of those it declares."""
+    if not isinstance(fields, dict) or not set(fields) <= set(part.writes):
+        raise ValueError(
+            f"{type(part).__name__}.{by} returned {str(fields)[:60]}; it must be a dict of the fields it "
+            f"declares in `writes` ({', '.join(part.writes) or 'none'}), {{}} where nothing changes."
+        )
+    return fields

@@ -1,30 +1,30 @@
-"""A scene: a body, the parts that act on it, and how it is marched through time.
-
-A `Process` changes fields between equilibria (pattern, growth). A `Term` contributes potential energy
-(elasticity, tension, contact, inertia). Both are frozen descriptions; what is computed from them lives in the
-objects they return. Parts do not know each other: they meet in the state, by field name.
-"""
+"""A scene: a body, the parts that act on it, and how it is marched through time."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from itertools import combinations
 from typing import Any
 
 from .checks import instance, positive, whole
 from .errors import MissingFieldError
 from .geometry.body import Body
-from .parts import Load, Process, Solid, Term, Timed
-from .stepping import Stepping as Stepping
+from .parts import Load, Part, Process, Solid, Term
+from .stepping import MIDPOINT, Stepping
+
+GIVEN = ("displacement", "stress_scale")  # fields that every state has
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """A body, the potential terms acting on it, and the processes that change it; only what is listed exists.
 
-    Raises MissingFieldError if a part reads a field that no earlier process writes, ValueError for a process
-    that would overwrite what an earlier one wrote, without reading it, for two terms of a kind that are no
-    different loads, and for the rest.
+    until: end of the run, in the scene's time.  seed: of everything random in it.
+    Raises MissingFieldError if a part reads a field that no part makes in time; ValueError for a field that
+    nobody reads, for a process that would overwrite what an earlier one wrote, for two terms of a kind that
+    are no different loads, for a scheme that the terms do not suit, and for the rest.
     """
 
     body: Body
@@ -37,21 +37,29 @@ class Scene:
     def __post_init__(self) -> None:
         instance("body", self.body, Body, "semicircle(radius=0.04, thickness=0.0025, size=0.001)")
         instance("stepping", self.stepping, Stepping, "Stepping(largest=0.02)")
-        object.__setattr__(self, "terms", _parts("terms", self.terms, Term))
-        object.__setattr__(self, "processes", _parts("processes", self.processes, Process))
+        object.__setattr__(self, "terms", _listed("terms", self.terms, Term))
+        object.__setattr__(self, "processes", _listed("processes", self.processes, Process))
         positive("until", self.until)
         whole("seed", self.seed, at_least=0)
         if not self.terms:
             raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")
-        _distinct(self.terms)
-        _at_one_time(self.terms)
-        written = {"displacement", "stress_scale"}
-        for part in self.processes:
-            _written(part, part.reads, written)
-            _kept(part, written)
-            written |= set(part.writes)
+        _check_distinct(self.terms)
+        _check_scheme(self.terms, self.stepping)
+        by_terms = {name for term in self.terms for name in term.writes}
+        written = {*GIVEN, *by_terms}
+        for process in self.processes:
+            _check_reads(process, written)
+            _check_overwrites(process, written)
+            written |= set(process.writes)
         for term in self.terms:
-            _written(term, term.reads, written)
+            _check_reads(term, written)
+        for process in self.processes:
+            _check_read(process, self.processes, self.terms)
+
+    @property
+    def wanted(self) -> frozenset[str]:
+        """Names of the fields that some part reads."""
+        return frozenset(name for part in (*self.processes, *self.terms) for name in _read_by(part))
 
 
 def reached(scene: Scene, time: float) -> bool:
@@ -59,62 +67,78 @@ def reached(scene: Scene, time: float) -> bool:
     return time >= scene.until * (1 - 1e-12)
 
 
-def stress_scale(terms: tuple[Term, ...]) -> float:
+def stress_scale(terms: Iterable[Term]) -> float:
     """Return the largest shear modulus of the solids among the terms, or 1 Pa: the unit of stress."""
-    return max((float(term.stress) for term in terms if isinstance(term, Solid)), default=1.0)
+    return max((float(term.shear_modulus) for term in terms if isinstance(term, Solid)), default=1.0)
 
 
-def _parts(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
+def _read_by(part: Part) -> tuple[str, ...]:
+    return (*part.reads, *part.optional)
+
+
+def _listed(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
     listed: tuple[Any, ...] = tuple(parts) if isinstance(parts, (tuple, list)) else (parts,)
     for part in listed:
         if isinstance(part, type):
             raise ValueError(f"{name} holds the class {part.__name__}; write {part.__name__}(...) instead.")
         if not isinstance(part, kind):
             raise ValueError(
-                f"{name} holds {part!r}, which is no {kind.__name__}; "
-                "patterns and growth go into processes, everything with an energy into terms."
+                f"{name} holds {part!r}, which is no {kind.__name__}; patterns and growth go into processes, "
+                "everything with an energy into terms; a part of your own derives from turingfold.extend."
+                f"{kind.__name__}."
             )
     return listed
 
 
-def _distinct(terms: tuple[Term, ...]) -> None:
+def _check_distinct(terms: tuple[Term, ...]) -> None:
     for one, other in combinations(terms, 2):
         if not (isinstance(one, type(other)) or isinstance(other, type(one))):
             continue
         if not isinstance(other, Load) or one == other:
             raise ValueError(
                 f"terms holds two {type(other).__name__}, {one!r} and {other!r}, and both would count; leave "
-                "one of the two out (a class of loads that may differ derives from turingfold.scene.Load)."
+                "one of the two out (a class of loads that may differ derives from turingfold.extend.Load)."
             )
 
 
-def _at_one_time(terms: tuple[Term, ...]) -> None:
-    timed = [term for term in terms if isinstance(term, Timed)]
-    names = " and ".join(f"{type(term).__name__}(scheme={term.scheme!r})" for term in timed)
-    if len({term.scheme for term in timed}) > 1:
+def _check_scheme(terms: tuple[Term, ...], stepping: Stepping) -> None:
+    if stepping.scheme == MIDPOINT and not any(term.resists_motion for term in terms):
         raise ValueError(
-            f"terms holds {names}, but forces balance at one time of a step; give them the same scheme."
-        )
-    if any(term.scheme == "midpoint" for term in timed) and not any(term.ends_step for term in timed):
-        raise ValueError(
-            f"terms holds {names}, by which forces balance in the middle of a step, but no term that moves "
-            'the body on to its end; give scheme="euler", or add inertia, which does.'
+            f"Stepping(scheme={MIDPOINT!r}): forces would balance in the middle of each step, but no term "
+            "resists motion, so the state at its end would be no equilibrium; leave the scheme out, or add "
+            "Inertia(...) or Drag(...)."
         )
 
 
-def _written(part: object, reads: tuple[str, ...], written: set[str]) -> None:
-    for name in reads:
+def _check_reads(part: Part, written: set[str]) -> None:
+    for name in part.reads:
         if name not in written:
+            near = get_close_matches(name, written, 1)
+            meant = f"did you mean {near[0]!r}? Or " if near else ""
             raise MissingFieldError(
                 f"{type(part).__name__} reads the field {name!r}, which no earlier process writes "
-                f"(written: {', '.join(sorted(written))}); add a process that writes it, before this part."
+                f"(written: {', '.join(sorted(written))}); {meant}add a process that writes it, before this "
+                "part."
             )
 
 
-def _kept(part: Process, written: set[str]) -> None:
-    for name in part.writes:
-        if name in written and name not in part.reads:
+def _check_overwrites(process: Process, written: set[str]) -> None:
+    for name in process.writes:
+        if name in written and name not in _read_by(process):
             raise ValueError(
-                f"{type(part).__name__} writes the field {name!r}, which an earlier process has written; "
-                "leave one of the two out."
+                f"{type(process).__name__} writes the field {name!r}, which is written already, without "
+                "reading it; leave one of the two out."
+            )
+
+
+def _check_read(process: Process, processes: Iterable[Process], terms: Iterable[Term]) -> None:
+    read = {name for part in (*processes, *terms) for name in _read_by(part) if part is not process}
+    for name in process.writes:
+        if name not in read and name not in process.keeps:
+            near = get_close_matches(name, read, 1)
+            meant = f"did you mean {near[0]!r}? Or " if near else ""
+            raise ValueError(
+                f"{type(process).__name__} writes the field {name!r}, which no other part of the scene reads "
+                f"(read: {', '.join(sorted(read)) or 'none'}); {meant}add the term that it is for, or leave "
+                "the process out (its `keeps` names fields that need no reader)."
             )

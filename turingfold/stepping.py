@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from .checks import one_of, positive, whole
 
 SOLVERS = ("auto", "cholmod", "superlu")
+EULER, MIDPOINT = "euler", "midpoint"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +20,8 @@ class Stepping:
     one that fails is halved and starts again from the untouched state.
     tolerance: residual at which an equilibrium counts, relative to the forces that balance in it.
     iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
+    scheme: of scenes with inertia or drag: "euler", in which forces balance at the end of each step (first
+    order, never gains energy), or "midpoint", in which they do in its middle (second order, loses none).
     solver: of linear systems, "cholmod" (the extra `fast`), "superlu", or "auto", the faster one installed.
     """
 
@@ -28,6 +31,7 @@ class Stepping:
     tolerance: float = 1e-8
     iterations: int = 60
     seconds: float = float("inf")
+    scheme: str = EULER
     solver: str = "auto"
 
     def __post_init__(self) -> None:
@@ -41,6 +45,12 @@ class Stepping:
         whole("iterations", self.iterations, at_least=1)
         if self.seconds != float("inf"):
             positive("seconds", self.seconds, remedy="leave it out for no limit")
+        one_of("scheme", self.scheme, (EULER, MIDPOINT))
         one_of("solver", self.solver, SOLVERS)
         if self.solver == "cholmod" and find_spec("cvxopt") is None:
             raise ValueError("solver='cholmod' needs cvxopt: pip install 'turingfold[fast]', or drop it.")
+
+    @property
+    def balance(self) -> float:
+        """The share of a step after which forces balance."""
+        return 1.0 if self.scheme == EULER else 0.5

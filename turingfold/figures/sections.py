@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..checks import one_of
 from ..geometry.body import Body
 from ..growth.measure import largest_growth
-from ..parts import Term
+from ..parts import Term, TimeStep
 from ..results.result import Result, along_pial, length_unit, pial_closed, stress_unit
 from ..scene import Scene
 from ..state import State
@@ -254,7 +254,7 @@ def _load(scene: Scene, state: State, term: Term) -> Array | None:
     """Return the forces of a term on the undeformed body at the end of the scene, (2, n), if any."""
     if not all(name in state for name in term.reads):
         return None
-    potential = term.on(scene.body).during(State(scene.until, state.fields), scene.until)
+    potential = term.on(scene.body).during(State(scene.until, state.fields), TimeStep(scene.until))
     at = potential.evaluate(np.zeros(scene.body.nodes.size)) if potential is not None else None
     if at is None:
         return None

@@ -14,6 +14,7 @@ from .curve import Curve, chain
 from .triangles import check_elements, quadratic_mesh, straight_mesh
 
 BASES = ("clamped", "roller", "free")
+SHARP, SIGMOID = LAYERS = ("sharp", "sigmoid")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,16 +62,20 @@ class Body:
     thickness: of the cortex, in m. Elements in the subdomain "cortex" are gray matter; without that name it
     is those with their centre less than `thickness` below the pial surface.
     base: "clamped" (no displacement), "roller" (none across the base line) or "free".
+    layers: how moduli and growth change from gray to white matter: "sharp", between elements, or "sigmoid",
+    by θ(y) = 1/(1 + exp(10 (y/T - 1))) of the depth y (Choi et al. 2025).
     Raises ValueError for missing parts, wrong lengths, inverted or degenerate triangles.
     """
 
     mesh: MeshTri2
     thickness: float
     base: str = "clamped"
+    layers: str = SHARP
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
         one_of("base", self.base, BASES)
+        one_of("layers", self.layers, LAYERS)
         object.__setattr__(self, "mesh", quadratic_mesh(self.mesh))
         needed = ("pial",) if self.base == "free" else ("pial", "base")
         known = self.mesh.boundaries or {}

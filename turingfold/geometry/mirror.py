@@ -48,7 +48,7 @@ def half(body: Body) -> Body:
         _subdomains={"cortex": gray},
         validate=False,
     )
-    return Body(halved, body.thickness, body.base)
+    return Body(halved, body.thickness, body.base, body.layers)
 
 
 def mirror_images(body: Body) -> Integers | None:

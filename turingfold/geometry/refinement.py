@@ -47,7 +47,7 @@ def _split(body: Body) -> Body:
         _subdomains={name: (first + elements).ravel() for name, elements in kinds.items()},
         validate=False,
     )
-    return Body(finer, body.thickness, body.base)
+    return Body(finer, body.thickness, body.base, body.layers)
 
 
 def _boundaries(body: Body, mesh: MeshTri2) -> dict[str, Integers]:

@@ -29,18 +29,19 @@ def semicircle(
     size: float | None = None,
     elements: float | None = None,
     base: str = "clamped",
+    layers: str = "sharp",
     coarsening: float = 1.35,
 ) -> Body:
     """Return the upper half of a disc around the origin.
 
     radius and thickness (of the cortex) in m; size: element edge in the cortex, m, or elements: their number
-    through the cortex; base "clamped", "roller" or "free"; coarsening: growth of the element size from ring
-    to ring below the cortex.
+    through the cortex; base "clamped", "roller" or "free"; layers "sharp" or "sigmoid", see `Body`;
+    coarsening: growth of the element size from ring to ring below the cortex.
     """
     positive("radius", radius)
     return semiellipse(
         width=2 * radius, height=radius, thickness=thickness, size=size, elements=elements, base=base,
-        coarsening=coarsening,
+        layers=layers, coarsening=coarsening,
     )  # fmt: skip
 
 
@@ -52,6 +53,7 @@ def semiellipse(
     size: float | None = None,
     elements: float | None = None,
     base: str = "clamped",
+    layers: str = "sharp",
     coarsening: float = 1.35,
 ) -> Body:
     """Return the upper half of an ellipse with its full width along the base and its apex at `height`; m.
@@ -91,7 +93,7 @@ def semiellipse(
             f"in m, {a:g} mm are {1e-3 * a:g}; loads in N/m and contact distances would not suit this body.",
             stacklevel=2,
         )
-    return Body(_mirrored(_quarter_mesh(a, b, thickness, size, coarsening)), thickness, base)
+    return Body(_mirrored(_quarter_mesh(a, b, thickness, size, coarsening)), thickness, base, layers)
 
 
 def element_size(size: float | None, elements: float | None, thickness: float) -> float:

@@ -10,13 +10,14 @@ from ..arrays import Array
 from ..checks import between, one_of, whole
 from ..geometry.body import Body
 from ..geometry.roughness import noise
+from ..parts import Evolution, Fields, Process
 from ..state import State
 
 KINDS = ("growth", "stiffness")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Imperfection:
+class Imperfection(Process):
     """Noise that decides where an otherwise uniform cortex folds first, on arc length, not on elements.
 
     of "growth": multiplies g_t - 1 (reads and rewrites "growth"; list it after the growth);
@@ -46,21 +47,37 @@ class Imperfection:
         """The field it changes, and the noise that goes on changing growth, (q, e)."""
         return ("growth", "noise") if self.of == "growth" else ("stiffness",)
 
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """The noise."""
+        return ("noise",)
+
+    def on(self, body: Body) -> ImperfectionOnBody:
+        """Return the imperfection on a body."""
+        return ImperfectionOnBody(self, body)
+
+
+@dataclass(frozen=True)
+class ImperfectionOnBody(Evolution):
+    """An imperfection on one body."""
+
+    imperfection: Imperfection
+    body: Body
+
+    def start(self, state: State, seed: int) -> Fields:
         """Return the noise and the field changed by it."""
+        own, body = self.imperfection, self.body
         share, closed = body.pial_share(body.arc), body.pial_curve.closed
-        values = noise(share, self.modes, seed, self.symmetric or body.mirror, closed)
-        if self.of == "stiffness":
-            return {"stiffness": np.maximum(0.1, 1.0 + self.amplitude * values)}
+        values = noise(share, own.modes, seed, own.symmetric or body.mirror, closed)
+        if own.of == "stiffness":
+            return {"stiffness": np.maximum(0.1, 1.0 + own.amplitude * values)}
         return {"noise": values, **self._grown(values, state)}
 
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
+    def advance(self, before: State, now: State, dt: float) -> Fields:
         """Return the changed growth; stiffness stays as it is."""
-        return self._grown(state["noise"], state) if self.of == "growth" else {}
+        return self._grown(before["noise"], now) if self.imperfection.of == "growth" else {}
 
-    def _grown(self, values: Array, state: State) -> dict[str, Array]:
-        growth = state["growth"].copy()
-        growth[0] = np.maximum(1.0 + (growth[0] - 1.0) * (1.0 + self.amplitude * values), 0.1 * growth[0])
+    def _grown(self, values: Array, state: State) -> Fields:
+        growth, amplitude = state["growth"].copy(), self.imperfection.amplitude
+        growth[0] = np.maximum(1.0 + (growth[0] - 1.0) * (1.0 + amplitude * values), 0.1 * growth[0])
         return {"growth": growth}
-
-

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,56 +12,77 @@ from ..checks import between, finite, instance, one_of, positive
 from ..errors import InadmissibleStateError
 from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
+from ..parts import Evolution, Fields, Process
 from ..state import State
 from .histories import History, Linear
 from .zones import Zone, checked_zones, gain, local_thickness
 
 OUT_OF_PLANE = ("fixed", "tangential")
-LAYERS = ("sigmoid", "sharp")
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
-class GrowthLaw(ABC):
-    """A process that gives growth as a function of time, whatever the steps taken; writes "growth".
+class GrowthLaw(Process):
+    """A process that gives growth factors as a function of time; writes "growth".
 
+    Growth laws of one scene multiply, factor by factor.
     out_of_plane: "fixed" (g_z = 1, plane strain) or "tangential" (g_z = g_t, growth of area).
     """
 
     out_of_plane: str
 
     @property
-    def reads(self) -> tuple[str, ...]:
-        """Nothing."""
-        return ()
+    def optional(self) -> tuple[str, ...]:
+        """The growth by an earlier law, which it multiplies."""
+        return ("growth",)
 
     @property
     def writes(self) -> tuple[str, ...]:
         """Growth factors along tangent, normal and z, (3, q, e)."""
         return ("growth",)
 
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the growth at the scene's start."""
-        return self._field(body, state, state.time)
-
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
-        """Return the growth one step later."""
-        return self._field(body, state, state.time + dt)
+    def on(self, body: Body) -> GrowthOnBody:
+        """Return the law on a body."""
+        return GrowthOnBody(self, body)
 
     @abstractmethod
     def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
-        """Return the tangential and the normal growth factor at a time, each (q, e)."""
+        """Return the tangential and the normal growth factor at a time, each (q, e).
 
-    def _field(self, body: Body, state: State, time: float) -> dict[str, Array]:
-        along, across = self.factors(body, state, time)
-        out = along if self.out_of_plane == "tangential" else np.ones_like(along)
-        growth = np.stack([along, across, out])
-        if not growth.min() > 0:
-            raise InadmissibleStateError(
-                f"{type(self).__name__}: the growth factor reaches {growth.min():.3g} at t = {time:.4g} but "
-                "must be positive; use factors closer to 1, a shorter run, or a history that levels off.",
-                time=time,
-            )
-        return {"growth": growth}
+        state: the fields of earlier processes at that time.
+        """
+
+
+@dataclass(frozen=True)
+class GrowthOnBody(Evolution):
+    """A growth law on one body."""
+
+    law: GrowthLaw
+    body: Body
+
+    def start(self, state: State, seed: int) -> Fields:
+        """Return the growth at the scene's start."""
+        return self._at(state)
+
+    def advance(self, before: State, now: State, dt: float) -> Fields:
+        """Return the growth at a time."""
+        return self._at(now)
+
+    def _at(self, state: State) -> Fields:
+        law, time = self.law, state.time
+        along, across = law.factors(self.body, state, time)
+        out = along if law.out_of_plane == "tangential" else np.ones_like(along)
+        return {"growth": multiplied(type(law).__name__, np.stack([along, across, out]), state)}
+
+
+def multiplied(law: str, growth: Array, state: State) -> Array:
+    """Return growth factors times those of earlier laws; raises InadmissibleStateError if not positive."""
+    if not growth.min() > 0:
+        raise InadmissibleStateError(
+            f"{law}: the growth factor reaches {growth.min():.3g} at t = {state.time:.4g} but must be "
+            "positive; use factors closer to 1, a shorter run, or a history that levels off.",
+            time=state.time,
+        )
+    return growth * state["growth"] if "growth" in state else growth
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +99,7 @@ class TangentialGrowth(GrowthLaw):
     it is what a pattern without tension can act through. Then "pattern" is read.
     zones: regions where g_t - 1 and g_n - 1, or the cortical thickness, are multiplied by factors.
     thinning: share of its thickness that the cortex loses per unit of time, T(t) = T (1 - thinning·t).
-    Raises ValueError for factors that are not positive, and for a changing thickness of sharp layers.
+    Raises ValueError for factors that are not positive.
     """
 
     cortex: float = 1.9
@@ -86,7 +107,6 @@ class TangentialGrowth(GrowthLaw):
     radial_core: float = 1.0
     swelling_core: float = 1.0
     out_of_plane: str = "fixed"
-    layers: str = "sigmoid"
     history: History = field(default_factory=Linear)
     modulation: float = 0.0
     radial_cortex: float = 1.0
@@ -97,7 +117,6 @@ class TangentialGrowth(GrowthLaw):
         for name in ("cortex", "core", "radial_cortex", "radial_core", "swelling_core"):
             positive(name, getattr(self, name), remedy="1 is no growth, 1.9 growth by 90 %")
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
-        one_of("layers", self.layers, LAYERS)
         instance("history", self.history, History, "Linear() or Exponential()")
         if abs(finite("modulation", self.modulation)) > 1:
             raise ValueError(
@@ -105,8 +124,6 @@ class TangentialGrowth(GrowthLaw):
             )
         object.__setattr__(self, "zones", checked_zones(self.zones))
         between("thinning", self.thinning, 0.0, 1.0)
-        if self.layers == "sharp" and (self.thinning or any(zone.thickness != 1.0 for zone in self.zones)):
-            raise ValueError('layers="sharp" follow the mesh at any thickness; use layers="sigmoid" here.')
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -119,8 +136,7 @@ class TangentialGrowth(GrowthLaw):
             self.history.factor(final, time)
             for final in (self.cortex, self.core, self.radial_core, self.radial_cortex, self.swelling_core)
         )
-        thickness = local_thickness(body, self.zones) * thinned(self.thinning, time)
-        share = cortex_indicator(body, self.layers, thickness)
+        share = cortex_indicator(body, thickness_at(body, self.zones, self.thinning, time))
         most = np.full_like(share, cortex)
         if self.modulation:
             pattern = body.at_quadrature(body.cortex, state["pattern"])
@@ -159,13 +175,19 @@ class RateGrowth(GrowthLaw):
         """Return g_t and g_n at a time."""
         # the whole history again, so that growth does not depend on the steps taken
         thinned(self.thinning, time)  # the cortex must last until then
-        thickness = local_thickness(body, self.zones)
-        spent = np.zeros_like(thickness)
+        spent = np.zeros_like(body.quadrature.weights)
         for node, weight in zip(0.5 * (1.0 + GAUSS), 0.5 * WEIGHTS, strict=True):
-            now = thickness * thinned(self.thinning, time * float(node))
-            spent += time * weight * cortex_indicator(body, "sigmoid", now)
+            now = thickness_at(body, self.zones, self.thinning, time * float(node))
+            spent += time * weight * cortex_indicator(body, now)
         spent *= gain(body, self.zones)
         return np.exp(self.rate * spent), np.exp(self.radial_rate * spent)
+
+
+def thickness_at(body: Body, zones: tuple[Zone, ...], thinning: float, time: float) -> Array | None:
+    """Return the cortical thickness at the integration points, (q, e) in m; None where it is the body's."""
+    if not thinning and all(zone.thickness == 1.0 for zone in zones):
+        return None
+    return local_thickness(body, zones) * thinned(thinning, time)
 
 
 def thinned(thinning: float, time: float) -> float:

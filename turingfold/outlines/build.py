@@ -58,6 +58,7 @@ def outline(
     size: float | None = None,
     elements: float | None = None,
     base: str = "free",
+    layers: str = "sharp",
     base_ends: Any = None,
     smooth: float = 0.0,
     tight: str = "refuse",
@@ -72,6 +73,7 @@ def outline(
     edge in the cortex) in m; in place of size: elements, their number through the cortex. Below the cortex
     elements grow by `grading` m per m of depth.
     base: "free" (the whole curve may be pial), "clamped" or "roller"; the last two need
+    layers: "sharp" or "sigmoid", see `Body`.
     base_ends: two points ((x, y), (x, y)) in m; the base runs counter-clockwise along the outline from the
     point of `points` nearest the first to the one nearest the second, each within `size` of the outline. The
     rest is pial.
@@ -112,7 +114,7 @@ def outline(
         return np.minimum(np.minimum(size, finest(at)) + below, edge[nearest] + grading * depth)
 
     plan = _planned(pial, ground, white, wanted, _graded(s, edge))
-    return Body(_meshed(plan, wanted), thickness, base)
+    return Body(_meshed(plan, wanted), thickness, base, layers)
 
 
 def _check_options(

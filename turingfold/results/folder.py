@@ -19,10 +19,10 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene import Scene, reached
 from ..solve.march import Progress
 from ..solve.newton import Memory
 from ..solve.prediction import Past
-from ..scene import Scene, reached
 from ..state import State
 from .codec import Arrays
 from .document import difference, stored
@@ -295,8 +295,8 @@ def _arrays(checkpoint: Checkpoint) -> Arrays:
         arrays["past.times"] = np.array([past.time for past in progress.past])
         arrays["past.displacements"] = np.stack([past.displacement for past in progress.past])
     if (memory := progress.memory) is not None:
-        arrays["memory.places"] = memory.places
-        arrays["memory.level"], arrays["memory.missed"] = np.array(memory.level), np.array(memory.missed)
+        arrays["memory.changing"] = memory.changing
+        arrays["memory.convexity"], arrays["memory.missed"] = np.array(memory.convexity), np.array(memory.missed)
         if memory.point is not None:
             arrays["memory.point"] = memory.point
     return arrays
@@ -307,9 +307,9 @@ def _checkpoint(arrays: Arrays) -> Checkpoint:
     own = [name for name in arrays if name.startswith("field.")]
     fields = {name.removeprefix("field."): arrays[name] for name in own}
     memory = None
-    if "memory.places" in arrays:
-        level, missed = int(arrays["memory.level"]), float(arrays.get("memory.missed", np.inf))
-        memory = Memory(arrays["memory.places"], level, arrays.get("memory.point"), missed)
+    if "memory.changing" in arrays:
+        level, missed = int(arrays["memory.convexity"]), float(arrays.get("memory.missed", np.inf))
+        memory = Memory(arrays["memory.changing"], level, arrays.get("memory.point"), missed)
     past: tuple[Past, ...] = ()
     if "past.times" in arrays:
         pairs = zip(arrays["past.times"].tolist(), arrays["past.displacements"], strict=True)

@@ -14,11 +14,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import finite, one_of, whole
-from ..geometry.body import Body
+from ..geometry.body import Body, by_node
 from ..growth.measure import largest_growth
-from ..parts import Operator
+from ..parts import TimeStep
 from ..scene import Scene, stress_scale
-from ..solve.march import acting, discretised
+from ..solve.march import observed
+from ..solve.problem import Problem, configuration
 from ..state import State
 from .measures import area_numbers, fold_numbers, pial_pattern
 from .surface import along_pial as along_pial
@@ -127,12 +128,12 @@ class Result:
         scene, state = self.scene, self._state(step)
         times = [row["time"] for row in self.history]
         row = times.index(state.time) if state.time in times else 0
-        return observe(self._operators, state, self.history[row]["step"] if self.history else scene.until)
+        return observe(self._problem, state, self.history[row]["step"] if self.history else scene.until)
 
     @cached_property
-    def _operators(self) -> list[Operator]:
-        """The terms on the body: costly to make, the same at every step."""
-        return discretised(self.scene)[0]
+    def _problem(self) -> Problem:
+        """The scene on its body: costly to make, the same at every step."""
+        return Problem(self.scene)
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
@@ -199,13 +200,10 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     return Result(scene, tuple(states), tuple(history), ending.status, ending.message, seconds, parts)
 
 
-def observe(operators: Sequence[Operator], state: State, dt: float) -> dict[str, Array]:
-    """Return the fields that terms on a body show of a state, each (q, e); dt is the step that led to it."""
-    x = state["displacement"].T.ravel()
-    fields: dict[str, Array] = {}
-    for potential in acting(operators, state, dt):
-        fields |= potential.observe(x)
-    return fields
+def observe(problem: Problem, state: State, dt: float) -> dict[str, Array]:
+    """Return the fields that terms show of a state, each (q, e); dt is the step that led to it."""
+    at = configuration(problem.potentials(state, TimeStep(dt)), by_node(state["displacement"]))
+    return {} if at is None else observed(at)
 
 
 def length_unit(body: Body) -> tuple[float, str]:

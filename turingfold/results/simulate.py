@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -14,7 +15,8 @@ from ..errors import NotConvergedError, SolveError
 from ..geometry.body import Body
 from ..growth.measure import largest_growth
 from ..scene import Scene, reached
-from ..solve.march import Progress, Step, begin, discretised, march
+from ..solve.march import Progress, Step, begin, march
+from ..solve.problem import Problem
 from ..state import State
 from .measures import fold_numbers
 from .result import FilePath, Result, Row, observe
@@ -113,11 +115,16 @@ class _Run:
     position: Progress | None = None
     saved: float = 0.0  # when the last checkpoint was written
 
+    @cached_property
+    def problem(self) -> Problem:
+        """The scene on its body."""
+        return Problem(self.scene)
+
     def to_the_end(self) -> Result:
         """March until the scene's end; whatever stops it, what was reached is kept and summed up."""
         self.position = self._start()
         try:
-            for step, position in march(self.scene, self.position):
+            for step, position in march(self.scene, self.position, self.problem):
                 self._accept(step, position)
         except SolveError as error:
             raise StoppedError(error, self._finish("stopped", str(error))) from error
@@ -130,7 +137,7 @@ class _Run:
         """Return where to go on: at the checkpoint, or at the start."""
         found = self.folder.checkpoint() if self.folder is not None else None
         if self.folder is None or found is None:
-            position = begin(self.scene)
+            position = begin(self.scene, self.problem)
             self.states.append(position.state)
             self.parts["starting"] = self._seconds()
             if self.folder is not None:
@@ -194,7 +201,7 @@ class _Run:
         """Keep the state of a step that was not just taken, on disk."""
         assert self.folder is not None
         dt = position.previous_dt or position.dt
-        shown = observe(discretised(self.scene)[0], position.state, dt)
+        shown = observe(self.problem, position.state, dt)
         self.folder.add_state(step, position.state, shown)
 
     def _save(self, position: Progress) -> None:

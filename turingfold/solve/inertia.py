@@ -10,12 +10,12 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from ..arrays import Array, Integers
 from ..errors import NotConvergedError
-from .sparsity import Pattern
+from .sparsity import Sparsity
 
 
-def negative_pivots(pattern: Pattern, values: Array) -> int:
-    """Return the number of negative eigenvalues of a symmetric matrix (see `pattern.Pattern`)."""
-    return Indefinite(pattern).factorize(values).negative
+def negative_pivots(sparsity: Sparsity, values: Array) -> int:
+    """Return the number of negative eigenvalues of a symmetric matrix (see `sparsity.Sparsity`)."""
+    return Indefinite(sparsity).factorize(values).negative
 
 
 @dataclass(frozen=True)
@@ -34,17 +34,17 @@ class Factors:
 
 
 class Indefinite:
-    """Factorises symmetric, possibly indefinite matrices of one pattern by SuperLU, without row exchanges."""
+    """Factorises symmetric, possibly indefinite matrices of one sparsity by SuperLU, rows in order."""
 
-    def __init__(self, pattern: Pattern) -> None:
+    def __init__(self, sparsity: Sparsity) -> None:
         """Find the ordering."""
-        self._n = pattern.n
-        marks = np.arange(1.0, len(pattern.keys) + 1)  # of the entries, to find them again after reordering
-        unit = symmetric(pattern, np.where(pattern.rows == pattern.columns, 1.0 + pattern.n, 1e-3))
+        self._n = sparsity.n
+        marks = np.arange(1.0, len(sparsity.keys) + 1)  # of the entries, to find them again after reordering
+        unit = symmetric(sparsity, np.where(sparsity.rows == sparsity.columns, 1.0 + sparsity.n, 1e-3))
         options = {"SymmetricMode": True}
         ordering = splu(unit, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
         self._order: Integers = np.argsort(ordering.perm_c)
-        self._places = symmetric(pattern, marks)[self._order][:, self._order].tocsc()
+        self._places = symmetric(sparsity, marks)[self._order][:, self._order].tocsc()
         self._places.sort_indices()  # splu would do so in place, and part the entries from their marks
         self._take = self._places.data.astype(np.int64) - 1
 
@@ -61,10 +61,10 @@ class Indefinite:
         return Factors(lu, self._order, int(np.sum(lu.U.diagonal() < 0)))
 
 
-def symmetric(pattern: Pattern, values: Array) -> csc_matrix:
+def symmetric(sparsity: Sparsity, values: Array) -> csc_matrix:
     """Return the whole matrix whose lower triangle is given."""
-    below = pattern.rows != pattern.columns
-    rows = np.concatenate([pattern.rows, pattern.columns[below]])
-    columns = np.concatenate([pattern.columns, pattern.rows[below]])
+    below = sparsity.rows != sparsity.columns
+    rows = np.concatenate([sparsity.rows, sparsity.columns[below]])
+    columns = np.concatenate([sparsity.columns, sparsity.rows[below]])
     entries = np.concatenate([values, values[below]])
-    return csc_matrix((entries, (rows, columns)), shape=(pattern.n, pattern.n))
+    return csc_matrix((entries, (rows, columns)), shape=(sparsity.n, sparsity.n))

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import NotConvergedError
 from .inertia import Factors, Indefinite
-from .sparsity import Pattern
+from .sparsity import Sparsity
 
 
 class NotPositiveDefinite(Exception):  # noqa: N818 - an answer, not a failure
@@ -24,7 +24,7 @@ class NotPositiveDefinite(Exception):  # noqa: N818 - an answer, not a failure
 
 
 class Solver(Protocol):
-    """Factorises symmetric matrices of one pattern."""
+    """Factorises symmetric matrices of one sparsity."""
 
     def factorize(self, values: Array) -> None:
         """Factorise; raises NotPositiveDefinite."""
@@ -34,14 +34,14 @@ class Solver(Protocol):
 
 
 class Cholmod:
-    """Supernodal Cholesky factorisation by CHOLMOD, its symbolic part done once per pattern."""
+    """Supernodal Cholesky factorisation by CHOLMOD, its symbolic part done once per sparsity."""
 
-    def __init__(self, pattern: Pattern) -> None:
+    def __init__(self, sparsity: Sparsity) -> None:
         from cvxopt import cholmod, matrix, spmatrix
 
         self._matrix, self._cholmod = matrix, cholmod
         cholmod.options["supernodal"] = 2
-        self._A = spmatrix(1.0, matrix(pattern.rows), matrix(pattern.columns), (pattern.n, pattern.n))
+        self._A = spmatrix(1.0, matrix(sparsity.rows), matrix(sparsity.columns), (sparsity.n, sparsity.n))
         self._factor = cholmod.symbolic(self._A)
 
     def factorize(self, values: Array) -> None:
@@ -60,10 +60,10 @@ class Cholmod:
 
 
 class SuperLu:
-    """Factorisation by SuperLU in symmetric mode; the ordering is found once per pattern."""
+    """Factorisation by SuperLU in symmetric mode; the ordering is found once per sparsity."""
 
-    def __init__(self, pattern: Pattern) -> None:
-        self._matrices = Indefinite(pattern)
+    def __init__(self, sparsity: Sparsity) -> None:
+        self._matrices = Indefinite(sparsity)
         self._factors: Factors | None = None
 
     def factorize(self, values: Array) -> None:
@@ -83,12 +83,12 @@ class SuperLu:
         return self._factors.solve(b)
 
 
-def solver_for(pattern: Pattern, name: str = "auto") -> Solver:
-    """Return a solver for the pattern: "cholmod", "superlu", or "auto", the faster one that is installed."""
+def solver_for(sparsity: Sparsity, name: str = "auto") -> Solver:
+    """Return a solver for a sparsity: "cholmod", "superlu", or "auto", the faster one that is installed."""
     _keep_freed_memory()
     if name == "superlu" or (name == "auto" and find_spec("cvxopt") is None):
-        return SuperLu(pattern)
-    return Cholmod(pattern)
+        return SuperLu(sparsity)
+    return Cholmod(sparsity)
 
 
 def _keep_freed_memory() -> None:

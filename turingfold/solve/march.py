@@ -1,47 +1,56 @@
-"""The march through time: processes change the fields, then the potential finds its new minimum."""
+"""The march through time: processes change the fields, then the displacement finds its new equilibrium."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..errors import InadmissibleStateError, NotConvergedError, SolveError
 from ..geometry.body import by_node
-from ..parts import Operator, Potential, Process, Timed
-from ..scene import Scene, stress_scale
+from ..parts import TimeStep
+from ..scene import Scene
 from ..state import State
 from ..stepping import Stepping
 from .newton import Equilibrium, Memory, Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
+from .problem import Configuration, Problem, configuration
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Step:
-    """An accepted step: the state, the numbers of its row in the history, and the potentials it minimises."""
+    """An accepted step: the state at its end, all potentials there, and the numbers of its history row.
+
+    seconds: spent since the march began, by kind of work.
+    """
 
     state: State
+    at: Configuration
     numbers: dict[str, float]
-    potentials: tuple[Potential, ...]
     seconds: dict[str, float]
 
     @property
     def x(self) -> Array:
         """Displacement, (2 n_nodes,), node by node."""
-        return by_node(self.state["displacement"])
+        return self.at.x
 
     def observe(self) -> dict[str, Array]:
         """Return the fields to look at, such as stresses."""
-        fields: dict[str, Array] = {}
-        for potential in self.potentials:
-            fields |= potential.observe(self.x)
-        return fields
+        return observed(self.at)
+
+
+def observed(at: Configuration) -> dict[str, Array]:
+    """Return the fields that terms show of a configuration, each (q, e)."""
+    fields: dict[str, Array] = {}
+    for evaluation in at.evaluations:
+        fields |= evaluation.observe()
+    return fields
 
 
 @dataclass(frozen=True)
@@ -65,65 +74,28 @@ class Progress:
         return (*self.past, Past(self.state.time, self.state["displacement"]))
 
 
-def begin(scene: Scene) -> Progress:
-    """Return the progress before the first step, with the fields that the processes start from."""
-    body = scene.body
-    scale = np.array(stress_scale(scene.terms))
-    state = State(0.0, {"displacement": np.zeros_like(body.nodes), "stress_scale": scale})
-    for process in scene.processes:
-        state = state.updated(**_made(process, "start", process.start(body, state, scene.seed)))
-    return Progress(state, scene.stepping.first * scene.until)
+def begin(scene: Scene, problem: Problem | None = None) -> Progress:
+    """Return the progress before the first step, with the fields that the scene starts from."""
+    return Progress((problem or Problem(scene)).start(), scene.stepping.first * scene.until)
 
 
-def discretised(scene: Scene) -> tuple[list[Operator], Integers]:
-    """Return the operators of the scene's terms, and the degrees of freedom that are held."""
-    operators = [term.on(scene.body) for term in scene.terms]
-    grounded = any(operator.grounds for operator in operators)
-    return operators, scene.body.supported if grounded else scene.body.fixed
-
-
-def processed(scene: Scene, state: State, dt: float) -> dict[str, Array]:
-    """Return the fields that the scene's processes have dt after `state`."""
-    fields: dict[str, Array] = {}
-    for process in scene.processes:
-        so_far = State(state.time, {**state.fields, **fields})
-        fields |= _made(process, "advance", process.advance(scene.body, so_far, dt))
-    return fields
-
-
-def _made(process: Process, by: str, fields: object) -> dict[str, Array]:
-    """Return the fields that a process made; raises ValueError for what is no dict of those it writes."""
-    if not isinstance(fields, dict) or not set(fields) <= set(process.writes):
-        raise ValueError(
-            f"{type(process).__name__}.{by} returned {str(fields)[:60]}; it must be a dict of the fields it "
-            f"writes ({', '.join(process.writes)}), {{}} where nothing changes."
-        )
-    return fields
-
-
-def acting(operators: Sequence[Operator], state: State, dt: float) -> tuple[Potential, ...]:
-    """Return the potentials that act in the step of length dt that ends in `state`."""
-    return tuple(p for p in (operator.during(state, dt) for operator in operators) if p is not None)
-
-
-def in_the_middle(scene: Scene) -> bool:
-    """Return whether forces balance in the middle of each step, with the fields of that time."""
-    return any(isinstance(term, Timed) and term.scheme == "midpoint" for term in scene.terms)
-
-
-def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
+def march(
+    scene: Scene, progress: Progress, problem: Problem | None = None
+) -> Iterator[tuple[Step, Progress]]:
     """Yield each accepted step, and the progress from which the next one starts.
+
+    problem: that of the scene, if it is made already.
 
     Raises NotConvergedError when a step fails at the smallest step size or the time limit is reached.
     """
     stepping, until = scene.stepping, scene.until
     started = perf_counter()
-    operators, held = discretised(scene)
-    n_dofs, limits = 2 * scene.body.nodes.shape[1], (stepping.tolerance, stepping.iterations)
-    minimiser = Minimiser(n_dofs, held, *limits, progress.memory, stepping.solver)
+    problem = problem or Problem(scene)
+    limits = stepping.tolerance, stepping.iterations
+    minimiser = Minimiser(problem.n_dofs, problem.held, *limits, progress.memory, stepping.solver)
     if progress.memory is not None and progress.memory.point is not None:
-        at_hand = acting(operators, progress.state, progress.previous_dt)
-        minimiser.remember(at_hand, progress.memory.point)
+        last = TimeStep(progress.previous_dt, stepping.balance)
+        minimiser.remember(problem.potentials(progress.state, last), progress.memory.point)
     minimiser.deadline = started + stepping.seconds
     minimiser.effort.add("setting up", started)
     while progress.state.time < until * (1 - 1e-12):
@@ -133,7 +105,7 @@ def march(scene: Scene, progress: Progress) -> Iterator[tuple[Step, Progress]]:
         if until - progress.state.time - dt < 0.01 * dt:
             dt = until - progress.state.time
         try:
-            step = _attempt(scene, operators, minimiser, progress, dt, perf_counter())
+            step = _attempt(problem, minimiser, progress, dt, perf_counter())
         except SolveError as error:
             if perf_counter() <= minimiser.deadline and dt / 2 < stepping.smallest * until:
                 raise _stopped(progress.state, until, error) from error
@@ -153,59 +125,51 @@ def _onward(dt: float, iterations: float, stepping: Stepping, until: float) -> f
 
 
 def _attempt(
-    scene: Scene, operators: list[Operator], minimiser: Minimiser, progress: Progress, dt: float, began: float
+    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float
 ) -> Step:
     """Take one step from untouched data."""
     old, effort = progress.state, minimiser.effort
     iterations, factorizations = effort.iterations, effort.factorizations
-    state = _onward_by(scene, old, dt)
-    potentials = at_end = acting(operators, state, dt)
-    midway = in_the_middle(scene)
-    if midway:
-        potentials = acting(operators, _onward_by(scene, old, 0.5 * dt), dt)
+    step = TimeStep(dt, problem.scene.stepping.balance)
+    state = balanced = problem.processed(old, dt)
+    if step.balance < 1:
+        balanced = problem.processed(old, step.span)
+    potentials = problem.potentials(balanced, step)
     effort.add("processes", began)
-    found = minimiser.minimise(potentials, by_node(old["displacement"]), _predicted(potentials, progress, dt))
-    state = _finished(state.updated(displacement=found.x.reshape(-1, 2).T.copy()), potentials, found.x)
-    end = by_node(state["displacement"])
-    if midway or not np.array_equal(end, found.x):
+    found = minimiser.minimise(potentials, by_node(old["displacement"]), _predicted(progress, dt))
+    at = found.at if step.balance == 1 else _at_end(problem, state, step, old, found.at)
+    if at is not found.at:
         minimiser.forget()
+    state = state.updated(displacement=at.x.reshape(-1, 2).T.copy())
+    state = problem.finished(state, found.at)
     numbers = {
         **_numbers(found, state.time, dt),
         "newton_iterations": effort.iterations - iterations,
         "factorizations": effort.factorizations - factorizations,
         "seconds": perf_counter() - began,
     }
-    for potential in at_end:
-        numbers |= potential.measure(end)
-    return Step(state, numbers, at_end, dict(effort.seconds))
+    for evaluation in at.evaluations:
+        numbers |= evaluation.measure()
+    return Step(state, at, numbers, dict(effort.seconds))
 
 
-def _onward_by(scene: Scene, state: State, dt: float) -> State:
-    """Return the state with the fields that the processes have dt later, all finite."""
-    time, fields = state.time + dt, processed(scene, state, dt)
-    for name, values in fields.items():
-        if not np.isfinite(values).all():
-            raise InadmissibleStateError(f"the field {name!r} is not finite at t = {time:.4g}", time=time)
-    return state.updated(time, **fields)
+def _at_end(problem: Problem, end: State, step: TimeStep, old: State, found: Configuration) -> Configuration:
+    """Return the configuration at the end of a step in whose middle forces balance, moved on evenly."""
+    x = by_node(old["displacement"])
+    x = x + (found.x - x) / step.balance
+    if found.largest_step(x - found.x) < 1.0:
+        raise InadmissibleStateError("the end of the step is not admissible", time=end.time)
+    at = configuration(problem.potentials(end, step), x)
+    if at is None:
+        raise InadmissibleStateError("the end of the step is not admissible", time=end.time)
+    return at
 
 
-def _finished(state: State, potentials: tuple[Potential, ...], x: Array) -> State:
-    """Return the state with what the potentials leave behind; they may end the step elsewhere than at x."""
-    for potential in potentials:
-        state = state.updated(**potential.finish(x))
-    onward = by_node(state["displacement"]) - x
-    if onward.any() and min(p.largest_step(x, onward) for p in potentials) < 1.0:
-        raise InadmissibleStateError("the end of the step is not admissible", time=state.time)
-    return state
-
-
-def _predicted(potentials: tuple[Potential, ...], progress: Progress, dt: float) -> Array | None:
-    """Return the displacement expected dt ahead, as far that way as admissible; None if there is no past."""
+def _predicted(progress: Progress, dt: float) -> Array | None:
+    """Return the displacement expected dt ahead; None if there is no past."""
     if not progress.past:
         return None
-    x = by_node(progress.state["displacement"])
-    ahead = by_node(extrapolated(progress.equilibria, progress.state.time + dt)) - x
-    return np.asarray(x + min(p.largest_step(x, ahead) for p in potentials) * ahead)
+    return by_node(extrapolated(progress.equilibria, progress.state.time + dt))
 
 
 def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:

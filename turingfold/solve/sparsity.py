@@ -1,4 +1,4 @@
-"""The entries of all terms gathered into one sparse symmetric pattern, kept while it has a place for each."""
+"""The Hessians of all terms in one sparse symmetric matrix, whose sparsity is kept while it suits."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ..arrays import Array, Integers, add_up
-from ..parts import Hessian
+from ..parts import Entries, Hessian
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class Sparsity:
     """Places of the lower triangle, by column and then row: `keys` = column n + row in increasing order."""
 
     n: int
@@ -35,10 +35,19 @@ class Pattern:
         return np.searchsorted(self.columns, np.arange(self.n + 1))
 
     @cached_property
-    def _places(self) -> tuple[Integers, Integers]:
+    def _compressed(self) -> tuple[Integers, Integers]:
         # of the type that scipy would convert them to for every matrix
         kind = np.int32 if len(self.keys) < 2**31 else np.int64
         return self.rows.astype(kind), self.starts.astype(kind)
+
+    def places(self, keys: Integers) -> Integers | None:
+        """Return the place of each key, one past the last for negative keys; None if one has no place."""
+        places = np.searchsorted(self.keys, keys)
+        outside = keys < 0
+        if not (self.keys[np.minimum(places, len(self.keys) - 1)] == keys)[~outside].all():
+            return None
+        places[outside] = len(self.keys)
+        return places
 
     @cached_property
     def _diagonal(self) -> Integers:
@@ -46,7 +55,7 @@ class Pattern:
 
     def lower(self, values: Array) -> csc_matrix:
         """Return the lower triangle as a sparse matrix."""
-        return csc_matrix((values, *self._places), shape=(self.n, self.n))
+        return csc_matrix((values, *self._compressed), shape=(self.n, self.n))
 
     def times(self, values: Array, x: Array) -> Array:
         """Return the product of the symmetric matrix with x."""
@@ -56,96 +65,91 @@ class Pattern:
         return product
 
 
-class Gatherer:
-    """Adds the Hessians of all terms into one pattern over the free degrees of freedom.
+class Assembler:
+    """Adds the Hessians of all terms into one sparse matrix over the free degrees of freedom.
 
-    The pattern is kept, and with it its symbolic factorisation, as long as it has a place for every entry.
-    A pattern that lacks one is replaced by one with room for entries expected soon.
-    places: keys that passing Hessians brought into the pattern of an earlier run; with the same pattern the
-    same matrix gives the same factors to the last bit.
+    The sparsity is kept, and with it its symbolic factorisation, as long as it has a place for every entry.
+    One that lacks a place is replaced by one with places also for entries expected soon.
+    changing: keys that Hessians without constant entries brought in during an earlier run; with the same
+    sparsity the same matrix gives the same factors to the last bit.
     """
 
-    def __init__(self, n_dofs: int, fixed: Integers, places: Integers | None = None) -> None:
+    def __init__(self, n_dofs: int, fixed: Integers, changing: Integers | None = None) -> None:
         free = np.ones(n_dofs, dtype=bool)
         free[fixed] = False
         self.n_dofs, self.free = n_dofs, np.flatnonzero(free)
         self._number = np.where(free, np.cumsum(free) - 1, -1)
-        # by id(rows): rows, the different keys, the number of each entry's key among them, and its place
-        self._lasting: dict[int, tuple[Integers, Integers, Integers, Integers]] = {}
-        self._pattern: Pattern | None = None
-        self._restored = places
-        self.places = np.zeros(0, dtype=np.int64)
+        self._constant: dict[Entries, _Sorted] = {}
+        self._sparsity: Sparsity | None = None
+        self._restored = changing
+        self.changing = np.zeros(0, dtype=np.int64)
 
-    def gather(self, hessians: list[Hessian]) -> tuple[Pattern, Array]:
-        """Return the pattern and the values of the sum of the Hessians; raises ValueError for none."""
+    def assemble(self, hessians: list[Hessian]) -> tuple[Sparsity, Array]:
+        """Return the sparsity and the values of the sum of the Hessians; raises ValueError for none."""
         if not hessians:
             raise ValueError("no term of the scene resists deformation; add one such as Elastic(...).")
-        slots = self._slots(hessians) if self._pattern is not None else None
-        while slots is None:
-            self._make_room(hessians)
-            slots = self._slots(hessians)
-        assert self._pattern is not None
-        count = len(self._pattern.keys) + 1  # the last place collects what belongs to fixed unknowns
-        values = add_up(slots[0], hessians[0].values, count)
-        for places, more in zip(slots[1:], hessians[1:], strict=True):
-            np.add.at(values, places.ravel(), more.values.ravel())
-        return self._pattern, values[:-1]
+        places = None if self._sparsity is None else self._places_of(hessians, self._sparsity)
+        while self._sparsity is None or places is None:  # twice where a restored sparsity lacks a place, too
+            self._sparsity = self._extended(hessians)
+            places = self._places_of(hessians, self._sparsity)
+        count = len(self._sparsity.keys) + 1  # the last place collects what belongs to fixed unknowns
+        values = add_up(places[0], hessians[0].values, count)
+        for place, more in zip(places[1:], hessians[1:], strict=True):
+            np.add.at(values, place.ravel(), more.values.ravel())
+        return self._sparsity, values[:-1]
 
-    def _keys(self, rows: Integers, columns: Integers) -> Integers:
-        row, column = self._number[rows.ravel()], self._number[columns.ravel()]
+    def _keys(self, entries: Entries) -> Integers:
+        row, column = self._number[entries.rows.ravel()], self._number[entries.columns.ravel()]
         key = np.minimum(row, column) * len(self.free) + np.maximum(row, column)
         key[(row < 0) | (column < 0)] = -1
         return key
 
-    def _slots(self, hessians: list[Hessian]) -> list[Integers] | None:
-        """Return where the entries of each Hessian go, or None if the pattern lacks a place."""
+    def _places_of(self, hessians: list[Hessian], sparsity: Sparsity) -> list[Integers] | None:
+        """Return where the entries of each Hessian go, or None if the sparsity lacks a place."""
         found = []
         for hessian in hessians:
-            known = self._lasting.get(id(hessian.rows))
-            if known is None:
-                if hessian.lasting:
-                    return None
-                slots = self._places(self._keys(hessian.rows, hessian.columns))
-                if slots is None:
-                    return None
-                found.append(slots)
-            else:
-                found.append(known[3])
+            known = self._constant.get(hessian.entries)
+            if known is not None:
+                found.append(known.places)
+                continue
+            places = None if hessian.constant else sparsity.places(self._keys(hessian.entries))
+            if places is None:
+                return None
+            found.append(places)
         return found
 
-    def _places(self, keys: Integers) -> Integers | None:
-        assert self._pattern is not None
-        known = self._pattern.keys
-        slots = np.searchsorted(known, keys)
-        outside = keys < 0
-        if not (known[np.minimum(slots, len(known) - 1)] == keys)[~outside].all():
-            return None
-        slots[outside] = len(known)
-        return slots
-
-    def _make_room(self, hessians: list[Hessian]) -> None:
-        """Build a pattern with a place for every entry, also of lasting Hessians seen before, and room."""
-        passing = []
+    def _extended(self, hessians: list[Hessian]) -> Sparsity:
+        """Return a sparsity with a place for every entry, also of constant ones seen before."""
+        changing, new = [], []
         for hessian in hessians:
-            if id(hessian.rows) in self._lasting:
+            if hessian.entries in self._constant:
                 continue
-            keys = self._keys(hessian.rows, hessian.columns)
-            if hessian.lasting:
-                different, number = np.unique(keys, return_inverse=True)
-                self._lasting[id(hessian.rows)] = hessian.rows, different, number, number
-            else:
-                passing.append(keys)
-                if hessian.room is not None:
-                    passing.append(self._keys(*hessian.room()))
+            keys = self._keys(hessian.entries)
+            if hessian.constant:
+                new.append((hessian.entries, *np.unique(keys, return_inverse=True)))
+                continue
+            changing.append(keys)
+            if hessian.expected is not None:
+                changing.append(self._keys(hessian.expected()))
         if self._restored is not None:
-            passing, self._restored = [self._restored], None
-        self.places = _unique(passing)
-        lasting = [different for _, different, _, _ in self._lasting.values()]
-        self._pattern = Pattern(len(self.free), _unique([*lasting, self.places]))
-        for mark, (rows, different, number, _) in list(self._lasting.items()):
-            slots = self._places(different)
-            assert slots is not None
-            self._lasting[mark] = rows, different, number, slots[number]
+            changing, self._restored = [self._restored], None
+        self.changing = _unique(changing)
+        new += [(entries, known.keys, known.number) for entries, known in self._constant.items()]
+        sparsity = Sparsity(len(self.free), _unique([*(keys for _, keys, _ in new), self.changing]))
+        for entries, keys, number in new:
+            places = sparsity.places(keys)
+            assert places is not None
+            self._constant[entries] = _Sorted(keys, number, places[number])
+        return sparsity
+
+
+@dataclass(frozen=True, eq=False)
+class _Sorted:
+    """Constant entries: the different keys, the number of each entry's key among them, and its place."""
+
+    keys: Integers
+    number: Integers
+    places: Integers
 
 
 def _unique(keys: list[Integers]) -> Integers:

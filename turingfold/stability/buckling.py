@@ -1,8 +1,8 @@
 """Buckling: the growth at which the smooth solution's tangent ceases to be positive definite, and the mode.
 
-The base path is followed by plain Newton steps on the true tangent K, which go on through a bifurcation where
-a minimiser would leave for the folded branch; the signs of the pivots count the negative eigenvalues. The
-lowest eigenvalue of K v = λ K₀ v, with K₀ the tangent of the undeformed body, is the share of its stiffness
+The fundamental path is followed by plain Newton steps on the true tangent K, which go on through a
+bifurcation where a minimiser would leave for the folded branch; the signs of the pivots count the negative
+eigenvalues. The lowest eigenvalue of K v = λ K₀ v, with K₀ the tangent of the undeformed body, is the share of its stiffness
 that is left: 1 at the start, almost linear in growth, 0 where the body buckles. Between the last stable state
 and the first unstable one the displacement is interpolated: nothing is solved with a singular tangent.
 """
@@ -23,8 +23,7 @@ from ..scene import Scene
 from ..solve.inertia import negative_pivots as negative_pivots
 from ..solve.march import Progress
 from ..state import State
-from .fundamental_path import BasePath, BaseState
-from .path_dependence import resists_motion
+from .fundamental_path import FundamentalPath, FundamentalState
 
 VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
 FINEST = 1e-4  # smallest step towards a limit point, as a share of the scene's time
@@ -39,8 +38,8 @@ class Buckling:
     growth: the largest tangential growth factor there (1 where nothing grows).  time: in the scene's units.
     mode: half waves along the pial surface, n of cos(nθ) on a half disc (of the whole body, for half of one).
     shape: the eigenvector, (2, n_nodes), its largest nodal displacement 1.
-    state: the base state.  stiffness: the share of stiffness left there, as good as 0.
-    limit: whether the base path turns back there, rather than going on unstable beyond a bifurcation.
+    state: the state on the fundamental path.  stiffness: the share of stiffness left there, as good as 0.
+    limit: whether the path turns back there, rather than going on unstable beyond a bifurcation.
     """
 
     growth: float
@@ -58,7 +57,7 @@ class Buckling:
         dt: length of the first step from there, in the scene's time.
         """
         if finite("amplitude", amplitude) == 0:
-            raise ValueError("amplitude=0 stays on the base path; give about a tenth of the cortex, in m.")
+            raise ValueError("amplitude=0 stays on the path; give about a tenth of the cortex, in m.")
         moved = self.state["displacement"] + amplitude * self.shape
         return Progress(self.state.updated(displacement=moved), positive("dt", dt))
 
@@ -74,23 +73,23 @@ def buckling(scene: Scene) -> Buckling:
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
     for term in scene.terms:
-        if resists_motion(term):
+        if term.resists_motion:
             raise ValueError(
                 f"terms holds {term!r}, which resists motion and hides the loss of stability; leave it out."
             )
-    path = BasePath(scene)
+    path = FundamentalPath(scene)
     nodes, limit = _bracket(path)
     base = nodes[-1] if limit else _crossing(path, nodes)
     stiffness, vector = path.lowest(base)
     if limit and stiffness > WORN:
         raise NotConvergedError(
-            f"The base path cannot be followed beyond t = {base.state.time:.6g}, growth "
+            f"The fundamental path cannot be followed beyond t = {base.state.time:.6g}, growth "
             f"{largest_growth(base.state):.4g}, though {stiffness:.0%} of the stiffness is left; "
             "use smaller steps (Stepping(largest=...)) or smaller elements.",
             time=base.state.time,
         )
     shape = np.zeros(len(base.x))
-    shape[path.gatherer.free] = vector
+    shape[path.assembler.free] = vector
     shape = shape.reshape(-1, 2).T / np.hypot(*shape.reshape(-1, 2).T).max()
     return Buckling(
         growth=largest_growth(base.state), time=base.state.time, mode=half_waves(scene.body, shape),
@@ -115,7 +114,7 @@ def half_waves(body: Body, shape: Array) -> int:
     return 2 * changes + held if body.mirror else changes + held // 2
 
 
-def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
+def _bracket(path: FundamentalPath) -> tuple[list[FundamentalState], bool]:
     """Return up to four stable states and the first unstable one; or stable ones and True."""
     stepping, until = path.scene.stepping, path.scene.until
     nodes = [path.start]
@@ -138,7 +137,9 @@ def _bracket(path: BasePath) -> tuple[list[BaseState], bool]:
     )
 
 
-def _closer(path: BasePath, nodes: list[BaseState], end: BaseState) -> list[BaseState]:
+def _closer(
+    path: FundamentalPath, nodes: list[FundamentalState], end: FundamentalState
+) -> list[FundamentalState]:
     """Return stable states and the first unstable one, near enough to interpolate what is between them."""
     while end.state.time - nodes[-1].state.time > CLOSE * end.state.time:
         start, dt = nodes[-1], 0.5 * (end.state.time - nodes[-1].state.time)
@@ -149,8 +150,10 @@ def _closer(path: BasePath, nodes: list[BaseState], end: BaseState) -> list[Base
     return [*nodes, end]
 
 
-def _attempt(path: BasePath, state: State, dt: float, ahead: Array | None) -> BaseState | None:
-    """Return the base state dt ahead, or None; a step that may end too near a bifurcation is tried longer."""
+def _attempt(
+    path: FundamentalPath, state: State, dt: float, ahead: Array | None
+) -> FundamentalState | None:
+    """Return the state dt ahead, or None; a step that may end too near a bifurcation is tried longer."""
     leap = dt > 0.1 * path.scene.stepping.largest * path.scene.until
     for length in (dt, 1.5 * dt) if leap else (dt,):
         try:
@@ -161,7 +164,7 @@ def _attempt(path: BasePath, state: State, dt: float, ahead: Array | None) -> Ba
     return None
 
 
-def _crossing(path: BasePath, nodes: list[BaseState]) -> BaseState:
+def _crossing(path: FundamentalPath, nodes: list[FundamentalState]) -> FundamentalState:
     """Return the state between the last two nodes where the lowest eigenvalue vanishes."""
     start, end = nodes[-2].state.time, nodes[-1].state.time
     def left(time: float) -> float:

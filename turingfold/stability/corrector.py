@@ -14,13 +14,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import NotConvergedError, SolveError
-from ..parts import Evaluation, Potential
+from ..parts import Potential
 from ..scene import Scene
-from ..solve.inertia import Factors
-from ..solve.line_search import evaluations
-from ..solve.sparsity import Pattern
+from ..solve.problem import Configuration, configuration
 from ..state import State
-from .fundamental_path import BasePath
+from .fundamental_path import FundamentalPath
 from .path_dependence import refuse_memory, refuse_motion
 
 ITERATIONS = 10  # a path that needs more is followed by shorter arcs
@@ -60,23 +58,13 @@ class Balanced:
 
 @dataclass(frozen=True, eq=False)
 class _Forces:
-    """Everything at one place: evaluations, forces on the free unknowns, and their relative size."""
+    """Everything at one place: the potentials, forces on the free unknowns, and their relative size."""
 
     place: Place
     state: State
-    potentials: tuple[Potential, ...]
-    at: list[Evaluation]
-    slope: Array
+    at: Configuration
+    gradient: Array
     residual: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Tangent:
-    """The tangent at one place, factorised."""
-
-    pattern: Pattern
-    values: Array
-    factors: Factors
 
 
 class Corrector:
@@ -86,10 +74,10 @@ class Corrector:
         """Discretise the scene; raises ValueError if its states are more than functions of time."""
         refuse_motion(scene)
         self.scene, self.until = scene, until
-        self.path = BasePath(scene)
-        refuse_memory(scene, self.path.start.state)
+        self.path = FundamentalPath(scene)
+        refuse_memory(self.path.problem, self.path.start.state)
         self.start = Place(self.path.start.x, 0.0, {})
-        self.free = self.path.gatherer.free
+        self.free = self.path.assembler.free
         self._x_weight = 1.0 / (scene.body.nodes.shape[1] * scene.body.thickness**2)
         self._time_weight = 1.0 / scene.until**2
 
@@ -108,8 +96,8 @@ class Corrector:
         Raises NotConvergedError if it is not admissible.
         """
         place, there = last.place, self._within(last.place, last.tangent, arc)
-        potentials = self._potentials(place.time, place.left)[1]
-        if self._longest(potentials, place.x, there.x - place.x) < 1.0:
+        here = configuration(self._potentials(place.time, place.left)[1], place.x)
+        if here is None or here.largest_step(there.x - place.x) < 1.0:
             raise NotConvergedError("the path ahead is not admissible", time=place.time)
         return there
 
@@ -121,13 +109,13 @@ class Corrector:
         """
         here = self._forces(guess)
         for iteration in range(ITERATIONS + 1):
-            tangent = self._tangent(here)
-            by_time = self._solved(tangent, self._slope_by_time(here))
+            tangent = self.path.linearised(here.at)
+            by_time = tangent.newton_step(self._gradient_by_time(here))
             if iteration and here.residual <= self.scene.stepping.tolerance:
                 return self._balanced(here, by_time, tangent.factors.negative, across, iteration)
             if iteration == ITERATIONS:
                 break
-            back = self._solved(tangent, here.slope)
+            back = tangent.newton_step(here.gradient)
             off = Direction(here.place.x - guess.x + back, here.place.time - guess.time)
             crossing = self.product(across, Direction(by_time, 1.0))
             if not abs(crossing) > 0:
@@ -149,7 +137,7 @@ class Corrector:
         negative pivots has changed. Raises NotConvergedError if there is no such corner.
         """
         there = self._forces(self.ahead(last, 2 * arc))
-        by_time = self._solved(self._tangent(there), self._slope_by_time(there))
+        by_time = self.path.linearised(there.at).newton_step(self._gradient_by_time(there))
         way = self._unit(Direction(by_time, 1.0), last.tangent, -1.0)
         length = 8 * arc
         guess = self._within(last.place, way, length)
@@ -167,49 +155,36 @@ class Corrector:
         return Place(place.x + arc * way.x, time, place.left)
 
     def _potentials(self, time: float, left: Mapping[str, Array]) -> tuple[State, tuple[Potential, ...]]:
-        state = self.path.processed(self.path.start.state, time).updated(**left)
+        state = self.path.problem.processed(self.path.start.state, time).updated(**left)
         return state, self.path.potentials(state, self.scene.until)
 
     def _forces(self, place: Place) -> _Forces:
         state, potentials = self._potentials(place.time, place.left)
-        at = evaluations(potentials, place.x)
-        left = {} if at is None else {k: v for p in potentials for k, v in p.finish(place.x).items()}
+        wanted = self.scene.wanted
+        at = configuration(potentials, place.x)
+        left = {} if at is None else {k: v for e in at.evaluations for k, v in e.finish(wanted).items()}
         if left:  # what is inside the elements has settled: the tangent is to belong to that
             place = Place(place.x, place.time, left)
             state, potentials = self._potentials(place.time, left)
-            at = evaluations(potentials, place.x)
+            at = configuration(potentials, place.x)
         if at is None:
             raise NotConvergedError("a state is not admissible", time=place.time)
-        parts = [e.gradient() for e in at]
-        slope = np.sum([g for g, _ in parts], axis=0)[self.free]
-        residual = float(np.linalg.norm(slope) / np.sqrt(sum(s for _, s in parts) or 1.0))
+        gradient, residual = at.forces(self.free)
         if not np.isfinite(residual):
             raise NotConvergedError("the forces are not finite", time=place.time)
-        return _Forces(place, state, potentials, at, slope, residual)
+        return _Forces(place, state, at, gradient, residual)
 
-    def _slope_by_time(self, here: _Forces) -> Array:
+    def _gradient_by_time(self, here: _Forces) -> Array:
         """Return ∂G/∂t on the free unknowns, by a difference to a later time, at the end an earlier one."""
         nudge = NUDGE * self.scene.until
         if here.place.time + nudge > self.scene.until:
             nudge = -nudge
         later = Place(here.place.x, here.place.time + nudge, here.place.left)
-        return (self._forces(later).slope - here.slope) / nudge
-
-    def _tangent(self, here: _Forces) -> _Tangent:
-        pattern, values = self.path.gatherer.gather([e.hessian(0.0) for e in here.at if e.curved])
-        return _Tangent(pattern, values, self.path.solver(pattern).factorize(values))
-
-    def _solved(self, tangent: _Tangent, slope: Array) -> Array:
-        """Return -K⁻¹ slope, refined once as the pivots are not chosen, as (2 n_nodes,)."""
-        move = -tangent.factors.solve(slope)
-        move -= tangent.factors.solve(tangent.pattern.times(tangent.values, move) + slope)
-        whole = np.zeros(self.start.x.size)
-        whole[self.free] = move
-        return whole
+        return (self._forces(later).gradient - here.gradient) / nudge
 
     def _moved(self, here: _Forces, change: Direction) -> _Forces:
         """Return the forces after a Newton step, or the admissible part of one."""
-        place, step = here.place, self._longest(here.potentials, here.place.x, change.x)
+        place, step = here.place, here.at.largest_step(change.x)
         while step > SHORTEST:
             time = place.time + step * change.time
             try:
@@ -218,17 +193,13 @@ class Corrector:
                 step *= 0.5
         raise NotConvergedError("the corrector leaves the admissible states at once", time=place.time)
 
-    @staticmethod
-    def _longest(potentials: tuple[Potential, ...], x: Array, move: Array) -> float:
-        return min(potential.largest_step(x, move) for potential in potentials)
-
     def _balanced(
         self, here: _Forces, by_time: Array, negative: int, across: Direction, iterations: int
     ) -> Balanced:
         """Return the equilibrium with the path's tangent, on the side of `across`."""
         displacement = here.place.x.reshape(-1, 2).T.copy()
         return Balanced(
-            here.place, here.state.updated(displacement=displacement), sum(e.energy for e in here.at),
+            here.place, here.state.updated(displacement=displacement), here.at.energy,
             here.residual, negative, self._unit(Direction(by_time, 1.0), across, 1.0), iterations,
         )
 

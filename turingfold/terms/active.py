@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array, Integers, add_up
 from ..checks import finite, finite_array
 from ..geometry.body import Body
-from ..parts import Hessian, Load, SimplePotential
+from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
 from .element_matrices import lower, pairs, slope_products
 
@@ -45,10 +45,8 @@ class ActiveStress(Load):
         return ActiveOperator(body, self)
 
 
-class ActiveOperator:
+class ActiveOperator(Operator):
     """Active stress on one body: only the elements of its layer."""
-
-    grounds = False
 
     def __init__(self, body: Body, term: ActiveStress) -> None:
         quadrature = body.quadrature
@@ -66,9 +64,9 @@ class ActiveOperator:
         self.weights = term.stress * (inside * quadrature.weights)[within]
         self.slopes = quadrature.derivatives
         self.products = slope_products(self.slopes)
-        self.rows, self.columns = lower(*pairs(self.triangles))
+        self.entries = Entries(*lower(*pairs(self.triangles)))
 
-    def during(self, state: State, dt: float) -> ActivePotential:
+    def during(self, state: State, step: TimeStep) -> ActivePotential:
         """Return the energy with the pattern in `state`."""
         if not self.follows_pattern:
             return ActivePotential(self, self.weights)
@@ -79,7 +77,7 @@ class ActiveOperator:
 
 
 @dataclass(frozen=True)
-class ActivePotential(SimplePotential):
+class ActivePotential(Potential):
     """The energy of active stress as a function of the displacement; `weights`: σ dA, (q, elements)."""
 
     operator: ActiveOperator
@@ -93,16 +91,14 @@ class ActivePotential(SimplePotential):
         return ActiveEvaluation(self, fibre)
 
 
-class ActiveEvaluation:
+class ActiveEvaluation(Evaluation):
     """Energy of active stress at one configuration; `fibre` is F t, (2, q, layer's elements)."""
-
-    curved = True
 
     def __init__(self, potential: ActivePotential, fibre: Array) -> None:
         self.potential, self.fibre = potential, fibre
         density = 0.5 * potential.weights * ((fibre**2).sum(0) - 1.0)
         self.energy = float(density.sum())
-        self.grain = 1e-15 * float(np.abs(potential.weights).sum())
+        self.round_off = 1e-15 * float(np.abs(potential.weights).sum())
 
     def gradient(self) -> tuple[Array, float]:
         """Return ∫ σ (F t)·(∂v t) dA and the sum of squares of the point forces."""
@@ -119,4 +115,4 @@ class ActiveEvaluation:
         x, y = operator.along
         points = np.stack([weights * x * x, weights * x * y, weights * y * y])
         values = operator.products @ points.reshape(-1, points.shape[2])
-        return Hessian(operator.rows, operator.columns, np.concatenate([values, values]), lasting=True)
+        return Hessian(operator.entries, np.concatenate([values, values]))

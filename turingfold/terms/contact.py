@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, Integers
 from ..checks import finite_array, positive
 from ..geometry.body import Body
-from ..parts import Hessian, SimplePotential
+from ..parts import Entries, Evaluation, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
 
 ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
@@ -27,7 +27,7 @@ REACH = 8.0  # obstacles extend this many body lengths
 
 
 @dataclass(frozen=True, kw_only=True)
-class SelfContact:
+class SelfContact(Term):
     """Barrier energy that keeps the boundary from touching itself: it acts below the distance dhat.
 
     gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or
@@ -61,10 +61,8 @@ class SelfContact:
         return ContactOperator(body, self)
 
 
-class ContactOperator:
+class ContactOperator(Operator):
     """The collision mesh of one body. Distances inside ipctk are in units of the body's length."""
-
-    grounds = False
 
     def __init__(self, body: Body, term: SelfContact) -> None:
         self.unit = body.length
@@ -120,13 +118,13 @@ class ContactOperator:
             return float("nan")
         return float(np.sqrt(found.compute_minimum_distance(self.mesh, positions)))
 
-    def during(self, state: State, dt: float) -> ContactPotential:
+    def during(self, state: State, step: TimeStep) -> ContactPotential:
         """Return the barrier; it does not change from step to step."""
         return ContactPotential(self, float(state["stress_scale"]) * self.unit**2)
 
 
 @dataclass(frozen=True)
-class ContactPotential(SimplePotential):
+class ContactPotential(Potential):
     """The barrier energy as a function of the displacement; `scale` is the unit of energy, J/m."""
 
     operator: ContactOperator
@@ -134,33 +132,19 @@ class ContactPotential(SimplePotential):
 
     def evaluate(self, x: Array) -> ContactEvaluation:
         """Return energy and derivatives at x."""
-        return ContactEvaluation(self.operator, self.scale, self.operator.positions(x))
-
-    def largest_step(self, x: Array, direction: Array) -> float:
-        """Return nine tenths of the step at which parts of the boundary would first touch, at most 1."""
-        operator = self.operator
-        start, end = operator.positions(x), operator.positions(x + direction)
-        if not np.isfinite(end).all():
-            return 0.0  # ipctk would answer that nothing is in the way
-        if ipctk.is_step_collision_free(operator.mesh, start, end):
-            return 1.0
-        return 0.9 * float(ipctk.compute_collision_free_stepsize(operator.mesh, start, end))
-
-    def measure(self, x: Array) -> dict[str, float]:
-        """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""
-        operator = self.operator
-        return {"min_gap": operator.smallest_gap(operator.positions(x)) * operator.unit}
+        return ContactEvaluation(self.operator, self.scale, x)
 
 
-class ContactEvaluation:
-    """Barrier energy at one configuration."""
+class ContactEvaluation(Evaluation):
+    """Barrier energy at one displacement."""
 
-    def __init__(self, operator: ContactOperator, scale: float, positions: Array) -> None:
-        self.operator, self.scale, self.positions = operator, scale, positions
+    def __init__(self, operator: ContactOperator, scale: float, x: Array) -> None:
+        positions = operator.positions(x)
+        self.operator, self.scale, self.x, self.positions = operator, scale, x, positions
         self.collisions = operator.collisions(positions, operator.dhat)
-        self.curved = not self.collisions.empty()
+        self.has_hessian = not self.collisions.empty()
         self.energy = scale * float(operator.barrier(self.collisions, operator.mesh, positions))
-        self.grain = 1e-15 * self.energy
+        self.round_off = 1e-15 * self.energy
 
     @cached_property
     def _forces(self) -> Array:
@@ -171,7 +155,7 @@ class ContactEvaluation:
         """Return the nodal forces and the sum of squares of the contact forces."""
         operator = self.operator
         total = np.zeros(operator.n_dofs)
-        if not self.curved:
+        if not self.has_hessian:
             return total, 0.0
         forces = self._forces[: len(operator.dofs)] * (self.scale / operator.unit)
         total[operator.dofs] = forces
@@ -184,9 +168,24 @@ class ContactEvaluation:
         full = operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method).tocoo()
         used = (full.col <= full.row) & (full.row < len(operator.dofs))  # obstacles come after the body's
         rows, columns = operator.dofs[full.row[used]], operator.dofs[full.col[used]]
-        return Hessian(rows, columns, full.data[used] * (self.scale / operator.unit**2), False, self._room)
+        values = full.data[used] * (self.scale / operator.unit**2)
+        return Hessian(Entries(rows, columns), values, constant=False, expected=self._expected)
 
-    def _room(self) -> tuple[Integers, Integers]:
+    def largest_step(self, direction: Array) -> float:
+        """Return nine tenths of the step at which parts of the boundary would first touch, at most 1."""
+        operator, start = self.operator, self.positions
+        end = operator.positions(self.x + direction)
+        if not np.isfinite(end).all():
+            return 0.0  # ipctk would answer that nothing is in the way
+        if ipctk.is_step_collision_free(operator.mesh, start, end):
+            return 1.0
+        return 0.9 * float(ipctk.compute_collision_free_stepsize(operator.mesh, start, end))
+
+    def measure(self) -> dict[str, float]:
+        """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""
+        return {"min_gap": self.operator.smallest_gap(self.positions) * self.operator.unit}
+
+    def _expected(self) -> Entries:
         """Return the entries of all pairs that could come into contact before long."""
         operator = self.operator
         near = ipctk.Candidates()
@@ -196,7 +195,7 @@ class ContactEvaluation:
         vertices = vertices[(vertices < operator.moving).all(1)]
         dofs = np.sort(operator.dofs.reshape(-1, 2)[vertices].reshape(-1, 6), axis=1)
         columns, rows = np.triu_indices(6)
-        return dofs[:, rows], dofs[:, columns]
+        return Entries(dofs[:, rows], dofs[:, columns])
 
 
 def _boundary(body: Body) -> tuple[Integers, Integers, float]:

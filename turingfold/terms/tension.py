@@ -10,7 +10,7 @@ from ..arrays import Array, add_up
 from ..checks import finite, one_of, whole
 from ..geometry.body import Body
 from ..geometry.curve import Curve
-from ..parts import Hessian, Load, SimplePotential
+from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
 
 SURFACES = ("interface", "pial")
@@ -69,10 +69,8 @@ class AxonalTension(Load):
         return TensionOperator(body, self)
 
 
-class TensionOperator:
+class TensionOperator(Operator):
     """Tension on one body: the curve it acts on and its integration points."""
-
-    grounds = False
 
     def __init__(self, body: Body, term: AxonalTension) -> None:
         self.body, self.term = body, term
@@ -87,7 +85,7 @@ class TensionOperator:
         pairs = np.array([(k, l) for k in range(6) for l in range(k + 1)]).T
         dofs = (2 * self.edges[:, None] + np.arange(2)[None, :, None]).reshape(6, -1)
         one, other = dofs[pairs[0]], dofs[pairs[1]]
-        self.pairs, self.rows, self.columns = pairs, np.maximum(one, other), np.minimum(one, other)
+        self.pairs, self.entries = pairs, Entries(np.maximum(one, other), np.minimum(one, other))
 
     def pattern(self, state: State) -> Array:
         """Return û at the curve's nodes, (3, m)."""
@@ -101,7 +99,7 @@ class TensionOperator:
             values = np.append(values, values[0])
         return np.stack([values[:-2:2], values[1:-1:2], values[2::2]])
 
-    def during(self, state: State, dt: float) -> DeadTension | FollowerTension | None:
+    def during(self, state: State, step: TimeStep) -> DeadTension | FollowerTension | None:
         """Return the load at the state's time, or None while it is zero."""
         term = self.term
         rise = 1.0 if term.ramp == 0 else min(1.0, state.time / term.ramp)
@@ -139,7 +137,7 @@ class TensionOperator:
 
 
 @dataclass(frozen=True)
-class DeadTension(SimplePotential):
+class DeadTension(Potential):
     """Forces that do not change with the displacement: energy -f·x."""
 
     operator: TensionOperator
@@ -147,18 +145,18 @@ class DeadTension(SimplePotential):
 
     def evaluate(self, x: Array) -> DeadEvaluation:
         """Return energy and gradient at x."""
-        work = self.forces * x
-        return DeadEvaluation(self.forces, -float(work.sum()), 1e-15 * float(np.abs(work).sum()))
+        return DeadEvaluation(self.forces, x)
 
 
-@dataclass(frozen=True)
-class DeadEvaluation:
-    """Energy of dead loads; it has no curvature."""
+class DeadEvaluation(Evaluation):
+    """Energy of dead loads at one displacement; it has no curvature."""
 
-    forces: Array
-    energy: float
-    grain: float
-    curved: bool = False
+    has_hessian = False
+
+    def __init__(self, forces: Array, x: Array) -> None:
+        work = forces * x
+        self.forces, self.energy = forces, -float(work.sum())
+        self.round_off = 1e-15 * float(np.abs(work).sum())
 
     def gradient(self) -> tuple[Array, float]:
         """Return minus the forces and their sum of squares."""
@@ -167,11 +165,11 @@ class DeadEvaluation:
     def hessian(self, convexity: float) -> Hessian:
         """Return no entries."""
         none = np.zeros(0, dtype=np.int64)
-        return Hessian(none, none, np.zeros(0), lasting=False)
+        return Hessian(Entries(none, none), np.zeros(0), constant=False)
 
 
 @dataclass(frozen=True)
-class FollowerTension(SimplePotential):
+class FollowerTension(Potential):
     """Line tension along the deformed line: energy ∫ γ |∂x/∂ξ| dξ."""
 
     operator: TensionOperator
@@ -184,17 +182,16 @@ class FollowerTension(SimplePotential):
         return FollowerEvaluation(self, np.einsum("ikm,kg->igm", at[:, operator.edges], SLOPES))
 
 
-class FollowerEvaluation:
+class FollowerEvaluation(Evaluation):
     """Energy of a line tension at one configuration."""
 
     def __init__(self, potential: FollowerTension, along: Array) -> None:
         self.potential = potential
-        self.curved = True
         self.speed = np.hypot(*along)
         self.tangent = along / self.speed
         self.weights = WEIGHTS[:, None] * potential.line
         self.energy = float((self.weights * self.speed).sum())
-        self.grain = 1e-15 * float((np.abs(self.weights) * self.speed).sum())
+        self.round_off = 1e-15 * float((np.abs(self.weights) * self.speed).sum())
 
     def gradient(self) -> tuple[Array, float]:
         """Return ∫ γ T ∂_ξ v dξ."""
@@ -210,4 +207,4 @@ class FollowerEvaluation:
         normal = np.stack([-self.tangent[1], self.tangent[0]])
         blocks = np.einsum("gm,igm,jgm,kg,lg->kiljm", weights, normal, normal, SLOPES, SLOPES, optimize=True)
         values = blocks.reshape(6, 6, -1)[operator.pairs[0], operator.pairs[1]]
-        return Hessian(operator.rows, operator.columns, values, lasting=True)
+        return Hessian(operator.entries, values)

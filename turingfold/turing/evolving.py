@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
-from functools import lru_cache
-from typing import ClassVar
 
 import numpy as np
 from skfem import MeshTri2
@@ -13,14 +11,15 @@ from ..arrays import Array
 from ..checks import positive
 from ..errors import NotConvergedError
 from ..geometry.body import Body
+from ..parts import Evolution, Fields, Process
 from ..state import State
 from .integrators.rosenbrock import march
-from .process import Design, Turing, normalised, refuse_negative
+from .process import WRITTEN, Turing, normalised, refuse_negative
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 
 
 @dataclass(frozen=True)
-class EvolvingTuring:
+class EvolvingTuring(Process):
     """Pattern that starts steady on the undeformed band and goes on reacting and diffusing while tissue
     grows.
 
@@ -42,9 +41,6 @@ class EvolvingTuring:
     dilution: bool = True
     tolerance: float = 1e-2
 
-    reads: ClassVar[tuple[str, ...]] = ("displacement",)
-    writes: ClassVar[tuple[str, ...]] = ("activator", "inhibitor", "pattern", "band_displacement")
-
     def __post_init__(self) -> None:
         """Check the options."""
         if not isinstance(self.turing, Turing):
@@ -52,34 +48,66 @@ class EvolvingTuring:
         positive("pace", self.pace)
         positive("tolerance", self.tolerance, at_most=0.1)
 
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the steady pattern of the undeformed band."""
-        fields = self.turing.start(body, state, seed)
-        return {**fields, "band_displacement": np.zeros((2, len(body.cortex.nodes)))}
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The last equilibrium."""
+        return ("displacement",)
 
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Those of `Turing`, and the displacement of the band at which they hold."""
+        return (*WRITTEN, "band_displacement")
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """All: a pattern is a result in itself."""
+        return self.writes
+
+    @property
+    def remembers(self) -> bool:
+        """It does: reaction and diffusion go on from where they are."""
+        return True
+
+    def on(self, body: Body) -> EvolvingOnBody:
+        """Return the pattern on a body."""
+        return EvolvingOnBody(self, body)
+
+
+class EvolvingOnBody(Evolution):
+    """An evolving pattern on one body."""
+
+    def __init__(self, evolving: EvolvingTuring, body: Body) -> None:
+        """Choose the diffusivities."""
+        self.evolving, self.body = evolving, body
+        self.conditions = evolving.turing.design(body).conditions
+
+    def start(self, state: State, seed: int) -> Fields:
+        """Return the steady pattern of the undeformed band."""
+        fields = self.evolving.turing.on(self.body).start(state, seed)
+        return {**fields, "band_displacement": np.zeros((2, len(self.body.cortex.nodes)))}
+
+    def advance(self, before: State, now: State, dt: float) -> Fields:
         """Return the pattern after the tissue has moved to the last equilibrium and dt has passed."""
-        found = _design(self.turing, body).conditions
-        old, new = state["band_displacement"], state["displacement"][:, body.cortex.nodes]
+        evolving, found, body = self.evolving, self.conditions, self.body
+        old, new = before["band_displacement"], before["displacement"][:, body.cortex.nodes]
         order = (0, 1) if found.activator == "u" else (1, 0)
-        values = np.stack([state["activator"], state["inhibitor"]])[list(order)]
+        values = np.stack([before["activator"], before["inhibitor"]])[list(order)]
         space = deformed(body, new)
-        if self.dilution and (new != old).any():
+        if evolving.dilution and (new != old).any():
             # M_new w = M_old w_old: nothing is made or lost while the tissue moves
             solve = space.pattern.scalar_solver(space.mass.data)
             amounts = (deformed(body, old).mass @ values.T).T
             values = np.stack([solve(amount) for amount in amounts])
-        system = ReactionDiffusion(space, self.turing.kinetics, found.d_u, found.d_v)
-        for moment in march(system, values, until=self.pace * dt, tolerance=self.tolerance):
+        system = ReactionDiffusion(space, evolving.turing.kinetics, found.d_u, found.d_v)
+        for moment in march(system, values, until=evolving.pace * dt, tolerance=evolving.tolerance):
             values = moment.state
             if moment.steps > 1000:
                 raise NotConvergedError(
-                    f"the pattern took more than 1000 steps for {self.pace * dt:.4g} units of kinetic time, "
-                    "from "
-                    f"{state.time:.4g} on: it never rests; use a smaller pace, or kinetics that settle.",
-                    time=state.time,
+                    f"the pattern took more than 1000 steps for {evolving.pace * dt:.4g} units of kinetic "
+                    f"time, from {before.time:.4g} on: it never rests; use a smaller pace or other kinetics.",
+                    time=before.time,
                 )
-        refuse_negative(self.turing.kinetics, values, state.time)
+        refuse_negative(evolving.turing.kinetics, values, before.time)
         activator, inhibitor = values[list(order)]
         return {
             "activator": activator,
@@ -87,12 +115,6 @@ class EvolvingTuring:
             "pattern": normalised(activator),
             "band_displacement": new,
         }
-
-
-@lru_cache(maxsize=2)
-def _design(turing: Turing, body: Body) -> Design:
-    # the same at every step of a run, and a tenth of a second each time
-    return turing.design(body)
 
 
 def deformed(body: Body, displacement: Array) -> Discretisation:

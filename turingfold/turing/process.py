@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from ..arrays import Array, Integers
 from ..checks import one_of, positive, whole
 from ..errors import InadmissibleStateError
 from ..geometry.body import Body
+from ..parts import Evolution, Fields, Process
 from ..state import State
 from .kinetics.base import Kinetics
 from .modes import Mode, mode_with
@@ -19,6 +19,7 @@ from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .stability import Conditions, at_ratio
 from .steady import SteadyState, refine, settle
 
+WRITTEN = ("activator", "inhibitor", "pattern")
 SHIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ class Pattern:
 
 
 @dataclass(frozen=True)
-class Turing:
+class Turing(Process):
     """Steady Turing pattern on the cortical band, with a chosen number of half waves along it.
 
     kinetics: the reaction; must be Turing-unstable at `ratio`.
@@ -91,9 +92,6 @@ class Turing:
     amplitude: float = 0.05
     symmetric: bool = False
 
-    reads: ClassVar[tuple[str, ...]] = ()
-    writes: ClassVar[tuple[str, ...]] = ("activator", "inhibitor", "pattern")
-
     def __post_init__(self) -> None:
         """Check the options, and the kinetics for a Turing instability."""
         if not isinstance(self.kinetics, Kinetics):
@@ -108,18 +106,19 @@ class Turing:
             )
         at_ratio(self.kinetics, self.ratio)
 
-    def start(self, body: Body, state: State, seed: int) -> dict[str, Array]:
-        """Return the steady pattern's fields."""
-        pattern = self.pattern(body, seed)
-        return {
-            "activator": pattern.activator,
-            "inhibitor": pattern.inhibitor,
-            "pattern": pattern.normalised,
-        }
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Both species, and the activator from 0 to 1."""
+        return WRITTEN
 
-    def advance(self, body: Body, state: State, dt: float) -> dict[str, Array]:
-        """Return nothing: the pattern is steady on the undeformed band."""
-        return {}
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """All: a pattern is a result in itself."""
+        return WRITTEN
+
+    def on(self, body: Body) -> SteadyOnBody:
+        """Return the pattern on a body."""
+        return SteadyOnBody(self, body)
 
     def design(self, body: Body) -> Design:
         """Return the diffusivities that suit the body, and the mode they favour."""
@@ -186,6 +185,27 @@ class Turing:
         orders = orders[orders % 2 == 0] if self.symmetric and not body.mirror else orders
         strengths = np.random.default_rng(seed).standard_normal(len(orders))
         return np.asarray(strengths @ np.cos(np.pi * np.outer(orders, along)))
+
+
+@dataclass(frozen=True)
+class SteadyOnBody(Evolution):
+    """A steady pattern on one body."""
+
+    turing: Turing
+    body: Body
+
+    def start(self, state: State, seed: int) -> Fields:
+        """Return the steady pattern's fields."""
+        pattern = self.turing.pattern(self.body, seed)
+        return {
+            "activator": pattern.activator,
+            "inhibitor": pattern.inhibitor,
+            "pattern": pattern.normalised,
+        }
+
+    def advance(self, before: State, now: State, dt: float) -> Fields:
+        """Return nothing: the pattern is steady on the undeformed band."""
+        return {}
 
 
 def normalised(values: Array) -> Array:

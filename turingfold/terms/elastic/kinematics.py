@@ -85,6 +85,18 @@ def von_mises(mu: Array, F: Array, out2: Array, I1: Array, J: Array) -> Array:
     return np.asarray(mu * J ** (-5.0 / 3.0) * np.sqrt(1.5 * (xx**2 + yy**2 + zz**2 + 2 * xy**2)))
 
 
+def cauchy(mu: Array, mean: Array, F: Array, out2: Array, I1: Array, J: Array) -> Array:
+    """Return the Cauchy stress μ J^{-5/3} dev(F*F*ᵀ) + mean 1: components xx, yy, xy and zz, (4, q, e); Pa.
+
+    F: the in-plane part of F*, (2, 2, q, e).  out2: F*_zz².  mean: mean stress.
+    """
+    a = mu * J ** (-5.0 / 3.0)
+    xx, yy = F[0, 0] ** 2 + F[0, 1] ** 2, F[1, 0] ** 2 + F[1, 1] ** 2
+    level = mean - a * I1 / 3
+    xy = a * (F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1])
+    return np.stack([a * xx + level, a * yy + level, xy, a * out2 + level])
+
+
 def tangents(
     metric: Metric, H: Array, HB: Array, C: Array, law: tuple[Array, Array, Array, Array], convexity: float
 ) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...geometry.body import Body
+from ...parts import Entries
 from .kinematics import Metric, determinant_along, first_loss
 from .mixed_points import points_on
 
@@ -23,7 +24,7 @@ class MixedGeometry:
         self.dofs = (2 * body.triangles[None] + np.arange(2)[:, None, None]).reshape(12, -1)
         self.low, self.high = np.tril_indices(12)
         one, other = self.dofs[self.low], self.dofs[self.high]
-        self.rows, self.columns = np.maximum(one, other), np.minimum(one, other)
+        self.entries = Entries(np.maximum(one, other), np.minimum(one, other))
 
     def moves(self, x: Array, bubble: Array) -> Array:
         """Return the moves of each element's nodes relative to its first one, and the bubble's, (2, 7, e).

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array
-from ...parts import Hessian
-from .kinematics import tangents
+from ...parts import Condensed, Fields, Hessian, Ray
+from .kinematics import cauchy, deformation, determinant, tangents, von_mises
 from .mixed_energy import MixedEnergy
 from .mixed_points import Kinematics, Law, kinematics, law
 
@@ -20,14 +20,14 @@ PATIENCE = 40  # iterations allowed for the bubbles
 PENALTY = 20.0  # weight of the volume condition in the search, in shear moduli
 
 
-class MixedEvaluation:
+class MixedEvaluation(Condensed):
     """The energy at one configuration; gradient and Hessian on demand."""
 
     def __init__(
         self, potential: MixedEnergy, x: Array, bubble: Array, pressure: Array, at: Kinematics
     ) -> None:
         """Compute the energy of every element."""
-        self.potential, self.x, self.bubble, self.at, self.curved = potential, x, bubble, at, True
+        self.potential, self.x, self.bubble, self.at = potential, x, bubble, at
         self.pressure = pressure
         weights = potential.metric.weights
         N = potential.operator.points.linear
@@ -36,7 +36,7 @@ class MixedEvaluation:
         self.shear_energies = 0.5 * (weights * potential.mu * (at.I1 * at.shrink - 3.0)).sum(0)
         self.energies = self.shear_energies + 0.5 * (self.volume * self.own_pressure).sum(0)
         self.energy = float(self.energies.sum())
-        self.grain = 1e-15 * (abs(self.energy) + potential.rest)
+        self.round_off = 1e-15 * (abs(self.energy) + potential.rest)
 
     @cached_property
     def _own_law(self) -> Law:
@@ -136,7 +136,7 @@ class MixedEvaluation:
         condensed = nodes[:, NODES] - np.einsum("ipe,iqe->pqe", nodes[:, BUBBLE].transpose(1, 0, 2), _solved(
             bubble[:, BUBBLE], bubble[:, NODES]
         ))
-        return Hessian(operator.rows, operator.columns, condensed[operator.low, operator.high], lasting=True)
+        return Hessian(operator.entries, condensed[operator.low, operator.high])
 
     @cached_property
     def _stiffness(self) -> Array:
@@ -171,12 +171,48 @@ class MixedEvaluation:
         force = np.einsum("ipe,pe->ie", K[:, NODES], direction[self.potential.operator.dofs])
         return -_solved(K[:, BUBBLE], force)
 
+    def largest_step(self, direction: Array) -> float:
+        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 %, with the bubbles at rest."""
+        return self.potential.longest(self.at.H, direction, np.zeros_like(self.bubble))
+
+    def finish(self, wanted: frozenset[str]) -> Fields:
+        """Return bubbles (2, e), m, and pressures at the elements' corners (3, e), Pa, to start from next.
+
+        Also the Cauchy stress at the body's points, (4, p, e) in Pa, if it is wanted.
+        """
+        inner = {"bubble": self.bubble, "element_pressure": self.own_pressure}
+        if "cauchy_stress" not in wanted:
+            return inner
+        F, out2, I1, J, pressure = self._shown
+        mu = self.potential.operator.points.spread_back @ self.potential.mu
+        return {**inner, "cauchy_stress": cauchy(mu, -pressure, F, out2, I1, J)}
+
+    def observe(self) -> Fields:
+        """Return von Mises stress and pressure (3D Cauchy stress, Pa) and J* at the body's points, (p, e)."""
+        F, out2, I1, J, pressure = self._shown
+        mu = self.potential.operator.points.spread_back @ self.potential.mu
+        return {"von_mises": von_mises(mu, F, out2, I1, J), "pressure": pressure, "jacobian": J}
+
+    def measure(self) -> dict[str, float]:
+        """Return the smallest J*."""
+        return {"min_jacobian": float(self.at.J.min())}
+
+    @property
+    def _shown(self) -> tuple[Array, Array, Array, Array, Array]:
+        """F*, F*_zz², I₁, J* and pressure at the body's integration points."""
+        potential, points = self.potential, self.potential.operator.points
+        H = potential.stretch(self.x, self.bubble, points.shown)
+        back = points.spread_back
+        F, out2 = deformation(H, back @ potential.metric.D), back @ potential.metric.out2
+        I1, J = (F**2).sum(1).sum(0) + out2, determinant(F) * np.sqrt(out2)
+        return F, out2, I1, J, -np.einsum("kq,ke->qe", points.linear_shown, self.own_pressure)
+
     def along(self, direction: Array, decrease: float) -> MixedRay:
         """Return the ray along `direction` (2 n_nodes,); decrease: slope of the total energy along it."""
         return MixedRay(self, direction, decrease)
 
 
-class MixedRay:
+class MixedRay(Ray):
     """The energy along x + s dx, b + s db, as the search sees it.
 
     The merit is the augmented Lagrangian of r = A p with the pressure p⁺ = A⁻¹ (r + ∂r) that a Newton step

@@ -17,13 +17,14 @@ import numpy as np
 
 from ...arrays import Array, Integers, add_up
 from ...geometry.body import Body
-from ...parts import Hessian, SimplePotential
+from ...parts import Entries, Evaluation, Fields, Hessian, Operator, Potential, TimeStep
 from ...state import State
 from ..element_matrices import lower, pairs, slope_products
 from ..point_fields import at_points
 from . import material
 from .kinematics import (
     Metric,
+    cauchy,
     cofactor,
     deformation,
     determinant,
@@ -37,10 +38,8 @@ from .kinematics import (
 )
 
 
-class ElasticOperator:
+class ElasticOperator(Operator):
     """Elasticity on one body: shape function products and entry places, computed once."""
-
-    grounds = False
 
     def __init__(self, body: Body, mu: Array, kappa: Array) -> None:
         self.body, self.mu, self.kappa = body, mu, kappa
@@ -49,11 +48,9 @@ class ElasticOperator:
         self.slopes = slopes.reshape(6, 2 * q)
         self.same = slope_products(slopes)
         self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
-        self.rows, self.columns = self._places()
+        self.entries = Entries(*self._places())
         self.dofs = 2 * body.triangles[None] + np.arange(2)[:, None, None]  # (2, 6, e)
-        self._grown: tuple[Array | None, Metric] | None = None
         self._undeformed = self.gradient(body.nodes.T)
-        self._stretched: tuple[Array, Array] | None = None
 
     def _places(self) -> tuple[Integers, Integers]:
         """Return where the 78 different entries of each element matrix go, each (78, e)."""
@@ -68,26 +65,23 @@ class ElasticOperator:
         return (self.slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
 
     def stretch(self, x: Array) -> Array:
-        """Return ∂x/∂ξ at the displacement x (2 n_nodes,); a step is bounded where it was evaluated last."""
-        if self._stretched is None or not np.array_equal(self._stretched[0], x):
-            self._stretched = x.copy(), self._undeformed + self.gradient(x)
-        return self._stretched[1]
+        """Return H = ∂x/∂ξ, (2, 2, q, e), of the displacement x (2 n_nodes,)."""
+        return self._undeformed + self.gradient(x)
 
-    def during(self, state: State, dt: float) -> ElasticPotential:
+    def during(self, state: State, step: TimeStep) -> ElasticPotential:
         """Return the elastic energy with the growth and stiffness in `state`."""
         growth = at_points(self.body, state, "growth", 3)
-        if self._grown is None or self._grown[0] is not growth:
-            tangent = None if growth is None else self.body.tangent
-            self._grown = growth, metric(self.body.quadrature, tangent, growth)
+        tangent = None if growth is None else self.body.tangent
+        grown = metric(self.body.quadrature, tangent, growth)
         stiffness = at_points(self.body, state, "stiffness")
         mu, kappa = (
             (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
         )
-        return ElasticPotential(self, self._grown[1], mu, kappa)
+        return ElasticPotential(self, grown, mu, kappa)
 
 
 @dataclass(frozen=True)
-class ElasticPotential(SimplePotential):
+class ElasticPotential(Potential):
     """The elastic energy of one growth state, as a function of the displacement."""
 
     operator: ElasticOperator
@@ -100,52 +94,27 @@ class ElasticPotential(SimplePotential):
         """The energy ∫ 3μ/2 that cancels in the stress-free state."""
         return 1.5 * float(np.vdot(self.metric.weights, self.mu))
 
-    def stretch(self, x: Array) -> Array:
-        """Return H = ∂x/∂ξ, shape (2, 2, q, e), of the displacement x (2 n_nodes,)."""
-        return self.operator.stretch(x)
-
     def evaluate(self, x: Array) -> ElasticEvaluation | None:
         """Return energy and derivatives at x, or None where J* <= 0 somewhere."""
-        H = self.stretch(x)
-        J = self._jacobian(H)
+        H = self.operator.stretch(x)
+        J = np.asarray(self.metric.delta * determinant(H))
         if not J.min() > 0:  # also catches NaN
             return None
         return ElasticEvaluation(self, H, J)
 
-    def _jacobian(self, H: Array) -> Array:
-        return np.asarray(self.metric.delta * determinant(H))
 
-    def largest_step(self, x: Array, direction: Array) -> float:
-        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
-        now, linear, square = determinant_along(self.stretch(x), self.operator.gradient(direction))
-        return first_loss(0.9 * now, linear, square)
-
-    def observe(self, x: Array) -> dict[str, Array]:
-        """Return von Mises stress, pressure (from the 3D Cauchy stress, Pa) and J*, each (q, e)."""
-        at = self.evaluate(x)
-        if at is None:
-            return {}
-        stress = von_mises(self.mu, deformation(at.H, self.metric.D), self.metric.out2, at.I1, at.J)
-        return {"von_mises": stress, "pressure": -self.kappa * (at.J - 1.0), "jacobian": at.J}
-
-    def measure(self, x: Array) -> dict[str, float]:
-        """Return the smallest J*."""
-        return {"min_jacobian": float(self._jacobian(self.stretch(x)).min())}
-
-
-class ElasticEvaluation:
+class ElasticEvaluation(Evaluation):
     """Elastic energy at one configuration, with gradient and Hessian on demand."""
 
     def __init__(self, potential: ElasticPotential, H: Array, J: Array) -> None:
         self.potential, self.H, self.J = potential, H, J
-        self.curved = True
         m = potential.metric
         self.HB = times_symmetric(H, m.B)
         self.I1 = first_invariant(H, self.HB, m.out2)
         self.law = potential.mu, potential.kappa, self.I1, J, material.shrink(J)
         density = material.energy(*self.law)
         self.energy = float(np.vdot(m.weights, density))
-        self.grain = 1e-15 * (abs(self.energy) + potential.rest)
+        self.round_off = 1e-15 * (abs(self.energy) + potential.rest)
 
     @cached_property
     def _slopes(self) -> tuple[Array, Array]:
@@ -177,4 +146,27 @@ class ElasticEvaluation:
         values = np.empty((78, e))
         np.matmul(operator.same, same.reshape(2, 3 * q, e), out=values[:42].reshape(2, 21, e))
         np.matmul(operator.mixed, mixed.reshape(4 * q, e), out=values[42:])
-        return Hessian(operator.rows, operator.columns, values, lasting=True)
+        return Hessian(operator.entries, values)
+
+    def largest_step(self, direction: Array) -> float:
+        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
+        now, linear, square = determinant_along(self.H, self.potential.operator.gradient(direction))
+        return first_loss(0.9 * now, linear, square)
+
+    def finish(self, wanted: frozenset[str]) -> Fields:
+        """Return the Cauchy stress if it is wanted: its components xx, yy, xy and zz, (4, q, e); Pa."""
+        if "cauchy_stress" not in wanted:
+            return {}
+        p, m = self.potential, self.potential.metric
+        stress = cauchy(p.mu, p.kappa * (self.J - 1.0), deformation(self.H, m.D), m.out2, self.I1, self.J)
+        return {"cauchy_stress": stress}
+
+    def observe(self) -> Fields:
+        """Return von Mises stress, pressure (of the 3D Cauchy stress, Pa) and J*, each (q, e)."""
+        p, m = self.potential, self.potential.metric
+        stress = von_mises(p.mu, deformation(self.H, m.D), m.out2, self.I1, self.J)
+        return {"von_mises": stress, "pressure": -p.kappa * (self.J - 1.0), "jacobian": self.J}
+
+    def measure(self) -> dict[str, float]:
+        """Return the smallest J*."""
+        return {"min_jacobian": float(self.J.min())}

@@ -10,33 +10,30 @@ from ...arrays import Array
 from ...checks import one_of
 from ...geometry.body import Body
 from ...geometry.layers import cortex_indicator
-from ...parts import Operator
+from ...parts import Operator, Solid
 from .material import NeoHookean
 
-LAYERS = ("sigmoid", "sharp")
+INNER = ("bubble", "element_pressure")
 ELEMENTS = ("auto", "quadratic", "mixed")
 NEARLY_INCOMPRESSIBLE = 0.49  # Poisson's ratio from which the quadratic element locks
 
 
 @dataclass(frozen=True, kw_only=True)
-class Elastic:
+class Elastic(Solid):
     """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer.
 
     Where processes write them, "growth" makes it grow and "stiffness" multiplies its moduli.
 
-    layers: "sharp" takes the moduli by element; "sigmoid" blends them by θ(y) = 1/(1 + exp(10 (y/T - 1))).
-    Without `white` the whole body is gray.
+    Between the layers moduli change as `Body.layers` says. Without `white` the whole body is gray.
     element: "quadratic" triangles, "mixed" ones with a bubble and their own pressure, which do not lock, or
     "auto": mixed where a Poisson's ratio is at least 0.49.
     """
 
     gray: NeoHookean
     white: NeoHookean | None = None
-    layers: str = "sharp"
     element: str = "auto"
 
     def __post_init__(self) -> None:
-        one_of("layers", self.layers, LAYERS)
         one_of("element", self.element, ELEMENTS)
         for name, value in (("gray", self.gray), ("white", self.white)):
             if not (isinstance(value, NeoHookean) or (name == "white" and value is None)):
@@ -45,13 +42,18 @@ class Elastic:
                 )
 
     @property
-    def reads(self) -> tuple[str, ...]:
-        """No field is required; "growth" and "stiffness" are used where they exist."""
-        return ()
+    def optional(self) -> tuple[str, ...]:
+        """Growth factors, the factor of the moduli, and what the mixed element starts from."""
+        return ("growth", "stiffness", *(INNER if self.mixed else ()))
 
     @property
-    def stress(self) -> float:
-        """The largest shear modulus, the scene's unit of stress; Pa."""
+    def writes(self) -> tuple[str, ...]:
+        """The Cauchy stress if a part reads it, and unknowns inside mixed elements."""
+        return ("cauchy_stress", *(INNER if self.mixed else ()))
+
+    @property
+    def shear_modulus(self) -> float:
+        """The largest shear modulus; Pa."""
         return max(self.gray.mu, self.white.mu if self.white else 0.0)
 
     @property
@@ -76,6 +78,6 @@ class Elastic:
         shape = body.quadrature.weights.shape
         if self.white is None:
             return np.full(shape, self.gray.mu), np.full(shape, self.gray.kappa)
-        share = cortex_indicator(body, self.layers)
+        share = cortex_indicator(body)
         gray, white = self.gray, self.white
         return white.mu + share * (gray.mu - white.mu), white.kappa + share * (gray.kappa - white.kappa)

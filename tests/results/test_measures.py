@@ -1,0 +1,67 @@
+"""Numbers of a state against what is known of it: similar growth, and areas by another formula."""
+
+import numpy as np
+import pytest
+from small import elastic_scene, folding_scene
+
+from turingfold import Body, TangentialGrowth, half, semicircle, simulate
+from turingfold.results.measures import area_numbers
+from turingfold.state import State
+
+
+def test_areas_of_a_similar_body_grow_by_the_square():
+    body = semicircle(radius=0.04, thickness=0.008, size=0.008)
+    moved = 0.3 * body.nodes + np.array([[0.01], [0.02]])
+    for part in (body, half(body)):
+        numbers = area_numbers(part, State(1.0, {"displacement": 0.3 * part.nodes}))
+        assert numbers == pytest.approx(dict.fromkeys(numbers, 1.69), rel=1e-13)
+    assert area_numbers(body, State(1.0, {"displacement": moved}))["area_growth"] == pytest.approx(1.69)
+
+
+def loop_area(points):
+    """Return the area inside quadratic edges vertex, mid, vertex, ..., by Simpson's rule on x dy - y dx.
+
+    That is exact for cubics, and x dy of a quadratic edge is one.
+    """
+    a, m, b = points[:, 0::2], points[:, 1::2], np.roll(points[:, 0::2], -1, axis=1)
+
+    def at(x, slope):
+        return x[0] * slope[1] - x[1] * slope[0]
+
+    ends = at(a, -3 * a + 4 * m - b) + at(b, a - 4 * m + 3 * b)
+    return 0.5 * float(np.sum(ends + 4 * at(m, b - a))) / 6
+
+
+def test_area_growth_of_a_folded_body_is_that_inside_its_curved_outline():
+    result = simulate(folding_scene())
+    body = result.scene.body
+    (pial, _), (base, _) = body.boundary_path("pial"), body.boundary_path("base")
+    assert pial[-1] == base[0]
+    loop = np.concatenate([pial, base[1:-1]])
+    before, after = (loop_area((body.nodes + u)[:, loop]) for u in (0.0, result.last["displacement"]))
+    summary = result.summary()
+    assert before == pytest.approx(np.pi / 2 * 0.04**2, rel=1e-3)
+    assert summary["area_growth"] == pytest.approx(after / before, rel=1e-12)
+    inner = body.interface
+    # the core's outline: interface, and the base between its ends
+    ends = [int(np.flatnonzero(base == end)[0]) for end in (inner[0], inner[-1])]
+    core = np.concatenate([inner, base[min(ends) + 1 : max(ends)]])
+    before, after = (loop_area((body.nodes + u)[:, core]) for u in (0.0, result.last["displacement"]))
+    assert summary["core_growth"] == pytest.approx(after / before, rel=1e-12)
+
+
+def test_the_centre_is_inside_half_the_radius():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    move = np.where(np.hypot(*body.nodes) < 0.7, 0.1 * body.nodes, 0.0)
+    numbers = area_numbers(body, State(1.0, {"displacement": move}))
+    assert numbers["centre_growth"] == pytest.approx(1.21, rel=1e-12)
+    assert numbers["area_growth"] == pytest.approx(1.0, rel=1e-12)  # the outline is where it was
+
+
+def test_a_free_body_that_grows_evenly_in_all_directions_grows_by_the_square():
+    body = semicircle(radius=1.0, thickness=0.25, size=0.25)
+    free = Body(body.mesh, body.thickness, "free")
+    grow = TangentialGrowth(cortex=1.2, core=1.2, radial_core=1.2, radial_cortex=1.2, layers="sharp")
+    numbers = simulate(elastic_scene(grow, body=free)).summary()
+    for name in ("area_growth", "core_growth", "centre_growth"):
+        assert numbers[name] == pytest.approx(1.44, rel=1e-6)

@@ -1,0 +1,70 @@
+"""Numbers of one state: how much area has grown, and how the pial surface folds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array, Booleans
+from ..geometry.body import Body
+from ..geometry.triangles import folded_over
+from ..state import State
+from .surface import along_pial, pial_closed
+
+
+def area_numbers(body: Body, state: State) -> dict[str, float | None]:
+    """Return the deformed over the undeformed area of the whole, of the core and of its centre.
+
+    The core is what lies below the cortex, the centre what lies deeper than half of the largest depth: in a
+    disc, inside half the radius. None for a body without such a part.
+    """
+    weights = body.quadrature.weights
+    stretched = weights * _area_ratio(body, state["displacement"])
+
+    def growth(where: Booleans) -> float | None:
+        return float(stretched[where].sum() / weights[where].sum()) if where.any() else None
+
+    core = np.broadcast_to(~body.in_cortex, weights.shape)
+    return {
+        "area_growth": growth(np.ones_like(core)),
+        "core_growth": growth(core),
+        "centre_growth": growth(body.depth > 0.5 * body.depth.max()),
+    }
+
+
+def _area_ratio(body: Body, displacement: Array) -> Array:
+    """Return det ∂x/∂X at the integration points, (q, e); their weighted sum is the exact deformed area."""
+    rule, moved = body.quadrature, (body.nodes + displacement)[:, body.triangles]
+    F = np.einsum("iae,abq,bjqe->ijqe", moved, rule.derivatives, rule.inverse)
+    return np.asarray(F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
+
+
+def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
+    """Return what is wrong with the shape of a state, if anything, and what its pial surface looks like.
+
+    inverted_elements: triangles turned over at a corner or an edge middle.  mirror_error: m, None for a body
+    that is not its own mirror image.  registration: None without a pattern.
+    """
+    from ..morphometry.folds import fold_count, sulcal_depth
+    from ..morphometry.registration import registration
+    from ..morphometry.shape import gyrification_index
+    from ..morphometry.walls import mirror_error, self_intersections
+
+    rest, pial = (along_pial(body, (body.nodes + u)[:, body.pial]) for u in (0.0, state["displacement"]))
+    pattern, closed = pial_pattern(body, state), pial_closed(body)
+    symmetric = mirror_error(rest) <= 1e-9 * body.length
+    return {
+        "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
+        "self_intersections": self_intersections(pial, closed=closed),
+        "gyrification_index": gyrification_index(pial, closed=closed),
+        "folds": fold_count(pial, closed=closed),
+        "sulcal_depth": sulcal_depth(pial, closed=closed),
+        "mirror_error": mirror_error(pial) if symmetric else None,
+        "registration": None if pattern is None else registration(pattern, pial, rest, closed=closed),
+    }
+
+
+def pial_pattern(body: Body, state: State) -> Array | None:
+    """Return the pattern û along the pial surface, (n,), or None without a pattern."""
+    if "pattern" not in state:
+        return None
+    return along_pial(body, body.spread(body.cortex, state["pattern"], outside=0.0)[body.pial])

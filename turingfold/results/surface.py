@@ -1,0 +1,34 @@
+"""The pial surface of a body; that of a half body is completed by its mirror image."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from ..geometry.body import Body
+
+
+def along_pial(body: Body, values: Array) -> Array:
+    """Return values (n,) or points (2, n) along the pial surface; a half body's with their mirror image."""
+    if not body.mirror:
+        return values
+    line, first, last = _mirror(body)
+    image = values[..., ::-1].copy()
+    if values.ndim == 2:
+        image[0] = 2 * line - image[0]
+    # a point on the mirror is its own image
+    if last:
+        return np.concatenate([values, image[..., 1 : image.shape[-1] - first]], axis=-1)
+    return np.concatenate([image[..., : image.shape[-1] - first], values], axis=-1)
+
+
+def pial_closed(body: Body) -> bool:
+    """Return whether the pial surface, completed by its image, is closed."""
+    return all(_mirror(body)[1:]) if body.mirror else body.pial_curve.closed
+
+
+def _mirror(body: Body) -> tuple[float, bool, bool]:
+    """Return x of the mirror, and whether the pial surface starts and ends on it."""
+    line = float(body.nodes[0, body.boundary_path("mirror")[0][0]])
+    first, last = np.abs(body.nodes[0, body.pial[[0, -1]]] - line) <= 1e-9 * body.length
+    return line, bool(first), bool(last)

@@ -1,0 +1,176 @@
+"""The equilibrium problem of a scene: what march, buckling and paths of equilibria solve.
+
+Processes give the fields at a time, terms give energies of the displacement under these fields. The forces
+are the gradient of their sum; forces small against those that balance in it make an equilibrium.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..arrays import Array, Integers
+from ..errors import InadmissibleStateError
+from ..geometry.body import by_node
+from ..parts import (
+    Condensed,
+    Evaluation,
+    Evolution,
+    Hessian,
+    Operator,
+    Potential,
+    Process,
+    Ray,
+    TimeStep,
+    declared,
+)  # fmt: skip
+from ..scene import Scene, stress_scale
+from ..state import State
+from .line_search import Straight
+
+
+@dataclass(frozen=True, eq=False)
+class Configuration:
+    """All potentials at one displacement x, (2 n_nodes,)."""
+
+    x: Array
+    potentials: tuple[Potential, ...]
+    evaluations: tuple[Evaluation, ...]
+
+    @cached_property
+    def energy(self) -> float:
+        """The sum of the energies; J per m of depth."""
+        return sum(e.energy for e in self.evaluations)
+
+    @property
+    def round_off(self) -> float:
+        """Differences of energy below this are round-off."""
+        return sum(e.round_off for e in self.evaluations)
+
+    @property
+    def is_condensed(self) -> bool:
+        """Whether unknowns inside the elements are eliminated."""
+        return any(isinstance(e, Condensed) for e in self.evaluations)
+
+    def forces(self, free: Integers) -> tuple[Array, float]:
+        """Return the gradient on the free unknowns, and its size relative to the forces that balance."""
+        parts = [e.gradient() for e in self.evaluations]
+        gradient = np.sum([g for g, _ in parts], axis=0)[free]
+        scale = np.sqrt(sum(s for _, s in parts))
+        return gradient, float(np.linalg.norm(gradient) / (scale if scale > 0 else 1.0))
+
+    def hessians(self, convexity: float) -> list[Hessian]:
+        """Return the Hessians of the curved energies, blended towards their positive parts."""
+        return [e.hessian(convexity) for e in self.evaluations if e.has_hessian]
+
+    def largest_step(self, direction: Array) -> float:
+        """Return a step in (0, 1] along a direction that keeps the state admissible."""
+        return min((e.largest_step(direction) for e in self.evaluations), default=1.0)
+
+    def rays(self, direction: Array, decrease: float) -> list[Ray]:
+        """Return how each energy follows a direction; decrease: slope of the total energy along it."""
+        return [
+            e.along(direction, decrease) if isinstance(e, Condensed) else Straight(p, e, self.x, direction)
+            for p, e in zip(self.potentials, self.evaluations, strict=True)
+        ]
+
+    def at(self, rays: Sequence[Ray], direction: Array, step: float) -> tuple[float, Configuration] | None:
+        """Return the merit and the configuration a step along rays, or None where one energy is infinite."""
+        found = []
+        for ray in rays:
+            there = ray.at(step)
+            if there is None:
+                return None
+            found.append(there)
+        parts = tuple(e for _, e in found)
+        return sum(m for m, _ in found), Configuration(self.x + step * direction, self.potentials, parts)
+
+
+def configuration(potentials: tuple[Potential, ...], x: Array) -> Configuration | None:
+    """Return the potentials at x, or None where one energy is infinite."""
+    found = []
+    for potential in potentials:
+        at = potential.evaluate(x)
+        if at is None or not np.isfinite(at.energy):
+            return None
+        found.append(at)
+    return Configuration(x, potentials, tuple(found))
+
+
+class Problem:
+    """A scene on its body: operators of its terms, processes, and the degrees of freedom that are held."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Compute what is computed once."""
+        body = scene.body
+        self.scene = scene
+        self.operators: list[Operator] = [term.on(body) for term in scene.terms]
+        self._processes: list[tuple[Process, Evolution]] = [(p, p.on(body)) for p in scene.processes]
+        supported = any(operator.resists_rigid_motions for operator in self.operators)
+        self.held: Integers = body.supported if supported else body.fixed
+        self.n_dofs = body.nodes.size
+
+    def start(self) -> State:
+        """Return the state that the scene starts from."""
+        scale = np.array(stress_scale(self.scene.terms))
+        state = State(0.0, {"displacement": np.zeros_like(self.scene.body.nodes), "stress_scale": scale})
+        for process, evolution in self._processes:
+            state = state.updated(**declared(process, evolution.start(state, self.scene.seed), "start"))
+        _check_finite(state)
+        wanted = self.scene.wanted
+        if not any(name in wanted for term in self.scene.terms for name in term.writes):
+            return state
+        step = TimeStep(self.scene.stepping.first * self.scene.until)
+        at = configuration(self.potentials(state, step), by_node(state["displacement"]))
+        if at is None:
+            raise InadmissibleStateError("the energy at the scene's start is infinite", time=0.0)
+        return self.finished(state, at)
+
+    def processed(self, before: State, dt: float) -> State:
+        """Return `before` with the time and the fields of the processes dt later; the rest is as it was."""
+        now = State(before.time + dt)
+        for number, (process, evolution) in enumerate(self._processes):
+            made = declared(process, evolution.advance(before, now, dt), "advance")
+            kept = {name: before[name] for name in process.writes if name in before and name not in made}
+            if rewritten := [name for name in kept if self._rewritten(number, name)]:
+                raise ValueError(
+                    f"{type(process).__name__}.advance returned no {rewritten[0]!r}, which a later process "
+                    "rewrites; return it at every step."
+                )
+            now = now.updated(**kept, **made)
+        state = before.updated(now.time, **now.fields)
+        _check_finite(state)
+        return state
+
+    def potentials(self, state: State, step: TimeStep) -> tuple[Potential, ...]:
+        """Return the potentials that act in a step; `state` is that in which forces balance."""
+        acting = (operator.during(state, step) for operator in self.operators)
+        return tuple(potential for potential in acting if potential is not None)
+
+    def finished(self, state: State, at: Configuration) -> State:
+        """Return the state with those fields of the terms that some part reads."""
+        wanted, writes = self.scene.wanted, {n for term in self.scene.terms for n in term.writes}
+        for evaluation in at.evaluations:
+            made = evaluation.finish(wanted)
+            if undeclared := set(made) - writes:
+                raise ValueError(
+                    f"{type(evaluation).__name__}.finish returned {', '.join(sorted(undeclared))}, which no "
+                    "term declares in `writes`."
+                )
+            state = state.updated(**made)
+        return state
+
+    def _rewritten(self, number: int, name: str) -> bool:
+        return any(name in later.writes for later, _ in self._processes[number + 1 :])
+
+
+def _check_finite(state: State) -> None:
+    """Raise InadmissibleStateError for a field that is not finite, by name."""
+    for name, values in state.fields.items():
+        if not np.isfinite(values).all():
+            raise InadmissibleStateError(
+                f"the field {name!r} is not finite at t = {state.time:.4g}", time=state.time
+            )
