@@ -21,7 +21,7 @@ def scenes(quick=False):
     for coats, layers in LAYERS.items():
         thickness = coats * COAT
         size = thickness / (2 if quick else layers)
-        body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller")
+        body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller", layers="sigmoid")
         swelling = SurfaceSwelling(final=1.2 if quick else 2.5, diffusivity=0.02)
         terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
         name = f"{coats} coats" if coats > 1 else "1 coat"

@@ -33,7 +33,7 @@ CHANGES = {
 
 def scenes(quick=False):
     size = THICKNESS / (2 if quick else 8)  # 2 elements across a quarter of the thickness
-    body = half(semicircle(radius=1.0, thickness=THICKNESS, size=size, base="roller"))
+    body = half(semicircle(radius=1.0, thickness=THICKNESS, size=size, base="roller", layers="sigmoid"))
     step = 1 / 10 if quick else 1 / 40
     found = {}
     for name, (growth, thickness) in CHANGES.items():

@@ -31,7 +31,8 @@ THIN_WINDOW = Zone(region=Window(start=0.35, end=0.65, edge=0.05), thickness=0.2
 def brain(growth, thickness=1.0, layers=4, quick=False):
     """Return a scene; thickness in units of the normal one, layers: elements across the cortex."""
     across = thickness * THICKNESS
-    body = semicircle(radius=1.0, thickness=across, size=across / (2 if quick else layers), base="roller")
+    size = across / (2 if quick else layers)
+    body = semicircle(radius=1.0, thickness=across, size=size, base="roller", layers="sigmoid")
     processes = (growth, Imperfection(amplitude=0.02))
     return Scene(body=body, processes=processes, terms=TERMS, until=0.1 if quick else P32)
 

@@ -32,7 +32,8 @@ PROCESSES = (RateGrowth(rate=1.9), Imperfection(amplitude=0.05, modes=10))
 
 def brain(finer, seed=0, quick=False):
     """Return a scene with `finer` times as many triangles in the cortex as the coarsest mesh has."""
-    whole = semicircle(radius=1.0, thickness=THICKNESS, size=COARSEST / finer**0.5, base="roller")
+    size = COARSEST / finer**0.5
+    whole = semicircle(radius=1.0, thickness=THICKNESS, size=size, base="roller", layers="sigmoid")
     walls = SelfContact(gap=0.4 * (finer / 12) ** 0.5)  # touch at the same distance on every mesh
     step = 1 / 10 if quick else 1 / 40
     return Scene(

@@ -40,7 +40,9 @@ def scenes(quick=False):
     found = {}
     for side, until in UNTIL.items():
         size = 0.05 if quick else 0.025
-        body = outline(section(side, 1), thickness=0.1, size=size, smooth=0.04, tight="trim")
+        body = outline(
+            section(side, 1), thickness=0.1, size=size, smooth=0.04, tight="trim", layers="sigmoid"
+        )
         terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
         growth = RateGrowth(rate=1.9, zones=(BOTTOM,))
         found[side] = Scene(body=body, processes=(growth,), terms=terms, until=0.1 if quick else until)

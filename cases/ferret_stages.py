@@ -34,7 +34,7 @@ def stages(seed=0, quick=False):
     """Return the scenes by name; each is made of the end of the last."""
     size = THICKNESS / (2 if quick else 3)
     angle = 2 * np.pi * np.arange(240) / 240
-    body = outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=THICKNESS, size=size)
+    body = outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=THICKNESS, size=size, layers="sigmoid")
     processes = (RateGrowth(rate=1.9, zones=(BOTTOM,)), Imperfection(amplitude=0.1, modes=20))
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
     steps = Stepping(first=0.25, largest=0.25) if quick else Stepping(first=1 / 16, largest=1 / 16)

@@ -19,7 +19,7 @@ GRAY = NeoHookean(mu=1.0, kappa=5.0)
 
 def elastic_scene(*processes, body=None, **options):
     body = body or semicircle(radius=RADIUS, thickness=THICKNESS, size=0.25)
-    processes = processes or (TangentialGrowth(cortex=GROWTH, layers="sharp"),)
+    processes = processes or (TangentialGrowth(cortex=GROWTH),)
     options = {"stepping": Stepping(first=0.1, largest=0.2)} | options
     return Scene(body=body, terms=(Elastic(gray=GRAY),), processes=processes, **options)
 

@@ -23,7 +23,7 @@ ROOMS = (
     ("scene",),
     ("growth", "outlines", "turing"),
     ("terms",),
-    ("solve",),
+    ("extend", "solve", "testing"),
     ("stability",),
     ("results",),
     ("figures",),

@@ -15,6 +15,7 @@ from skfem import Basis, ElementTriP2, MeshTri1, MeshTri2
 from turingfold.geometry.body import Body
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.laws import TangentialGrowth
+from turingfold.parts import TimeStep
 from turingfold.scene import Scene
 from turingfold.solve.march import begin, march
 from turingfold.solve.newton import Minimiser
@@ -157,7 +158,7 @@ def equilibrium(body, term, fixed, x, *, growth=None, loads=(), tolerance=1e-11)
     state = State(1.0, {"displacement": np.zeros_like(body.nodes)})
     if growth is not None:
         state = state.updated(growth=growth)
-    potential = term.on(body).during(state, 1.0)
+    potential = term.on(body).during(state, TimeStep(1.0))
     minimiser = Minimiser(2 * body.nodes.shape[1], np.unique(fixed), tolerance, 60)
     return minimiser.minimise([potential, *loads], x).x.reshape(-1, 2).T, potential
 
@@ -172,7 +173,7 @@ def grown_disc(case, growth, size, **options):
     """Return radii and directions of the pial nodes and stretch and stress of the core, R = 1."""
     core, cortex, thickness = case
     body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller", coarsening=1.35)
-    process = TangentialGrowth(cortex=growth, layers="sharp", **options)
+    process = TangentialGrowth(cortex=growth, **options)
     scene = Scene(
         body=body, terms=(Elastic(gray=cortex, white=core),), processes=(process,),
         stepping=Stepping(first=0.25, largest=0.5, tolerance=1e-10),

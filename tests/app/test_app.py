@@ -38,7 +38,7 @@ from turingfold.cli.figure import save_figure
 from turingfold.cli.main import parser
 from turingfold.cli.status import run_command
 from turingfold.cli.sweep import Sweep
-from turingfold.parts import SimplePotential
+from turingfold.parts import Potential
 from turingfold.results.result import TISSUE
 
 STEPS = 2
@@ -157,7 +157,7 @@ def test_what_the_scene_refuses_is_not_offered(scene):
 
 
 @dataclass(frozen=True)
-class Weight(SimplePotential):
+class Weight(Potential):
     """A part that turingfold does not have, and whose float is written as a whole number."""
 
     load: float = 2

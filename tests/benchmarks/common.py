@@ -8,9 +8,10 @@ import numpy as np
 
 from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
 from turingfold.geometry.body import Body
+from turingfold.parts import TimeStep
 from turingfold.results.result import Result
 from turingfold.solve.linear import NotPositiveDefinite, solver_for
-from turingfold.solve.sparsity import Gatherer
+from turingfold.solve.sparsity import Assembler
 
 CASES = Path(__file__).parents[2] / "cases"
 RADIUS, THICKNESS = 0.0404, 2.5e-3
@@ -23,7 +24,7 @@ def growth_path(body: Body) -> Scene:
     return Scene(
         body=body,
         terms=(Elastic(gray=GRAY, white=WHITE),),
-        processes=(TangentialGrowth(cortex=GROWTH, layers="sharp"),),
+        processes=(TangentialGrowth(cortex=GROWTH),),
         stepping=Stepping(first=1 / STEPS, largest=1 / STEPS, tolerance=TOLERANCE),
     )
 
@@ -36,12 +37,12 @@ def brain(elements: float) -> Body:
 def solve_seconds(result: Result, repeats: int = 20) -> list[float]:
     """Return the times of factorising the last state's tangent and solving with it, without its ordering."""
     scene, state = result.scene, result.last
-    potentials = [term.on(scene.body).during(state, scene.until) for term in scene.terms]
+    potentials = [term.on(scene.body).during(state, TimeStep(scene.until)) for term in scene.terms]
     x = state["displacement"].T.ravel()
     evaluations = [potential.evaluate(x) for potential in potentials if potential is not None]
-    gatherer = Gatherer(len(x), scene.body.fixed)
-    hessians = [evaluation.hessian(0.0) for evaluation in evaluations if evaluation.curved]
-    pattern, values = gatherer.gather(hessians)
+    gatherer = Assembler(len(x), scene.body.fixed)
+    hessians = [evaluation.hessian(0.0) for evaluation in evaluations if evaluation.has_hessian]
+    pattern, values = gatherer.assemble(hessians)
     solver, load = solver_for(pattern), np.ones(pattern.n)
     times = []
     for _ in range(repeats):

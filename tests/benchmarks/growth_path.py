@@ -22,6 +22,7 @@ import numpy as np
 from common import TOLERANCE, brain, growth_path, spread
 
 from turingfold import Scene, simulate
+from turingfold.parts import TimeStep
 from turingfold.results.result import Result
 
 
@@ -39,7 +40,7 @@ def allowed_forces(result: Result) -> list[float]:
     scene, forces = result.scene, []
     operator = scene.terms[0].on(scene.body)
     for state in result.states[1:]:
-        found = operator.during(state, 1.0).evaluate(state["displacement"].T.ravel())
+        found = operator.during(state, TimeStep(1.0)).evaluate(state["displacement"].T.ravel())
         forces.append(TOLERANCE * np.sqrt(found.gradient()[1]))
     return forces
 

@@ -19,7 +19,7 @@ from scipy.sparse.linalg import cg
 from turingfold.arrays import Array
 from turingfold.solve.linear import Cholmod, SuperLu
 from turingfold.solve.march import acting, begin, discretised, processed
-from turingfold.solve.sparsity import Gatherer, Pattern
+from turingfold.solve.sparsity import Assembler, Pattern
 
 AT = 0.3  # of the growth path
 
@@ -31,9 +31,9 @@ def tangent(elements: float) -> tuple[Pattern, Array, Array]:
     start = begin(scene).state
     state = start.updated(AT, **processed(scene, start, AT))
     nodes = scene.body.nodes
-    gatherer = Gatherer(nodes.size, held)
+    gatherer = Assembler(nodes.size, held)
     at = [potential.evaluate(np.zeros(nodes.size)) for potential in acting(operators, state, AT)]
-    pattern, values = gatherer.gather([e.hessian(0.0) for e in at])
+    pattern, values = gatherer.assemble([e.hessian(0.0) for e in at])
     node, along_x = gatherer.free // 2, gatherer.free % 2 == 0
     turned = np.where(along_x, -nodes[1, node], nodes[0, node]) / scene.body.length
     return pattern, values, np.stack([along_x, ~along_x, turned], axis=1).astype(float)

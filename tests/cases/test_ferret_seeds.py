@@ -12,6 +12,7 @@ from turingfold import Stepping, simulate
 from turingfold.cli.case import load_case
 from turingfold.geometry.body import by_node
 from turingfold.morphometry.walls import self_intersections
+from turingfold.parts import TimeStep
 from turingfold.terms.dynamics import Mass
 
 SEEDS = (0, 1, 2, 3)
@@ -41,10 +42,10 @@ def least_eigenvalue(scene, state):
     elastic, walls, _ = scene.terms
     total = csc_matrix(2 * free.shape)
     for term in (elastic, walls):
-        at = term.on(body).during(state, 1.0).evaluate(x)
-        if at.curved:
+        at = term.on(body).during(state, TimeStep(1.0)).evaluate(x)
+        if at.has_hessian:
             hessian = at.hessian(0.0)
-            total = total + matrix(hessian.rows, hessian.columns, hessian.values)
+            total = total + matrix(hessian.entries.rows, hessian.entries.columns, hessian.values)
     weights = matrix(mass.rows, mass.columns, mass.twice)
     return eigsh(total, 1, weights, sigma=-400.0, return_eigenvectors=False)[0]
 

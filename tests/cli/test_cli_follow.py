@@ -24,7 +24,7 @@ from turingfold import (
 def scenes(quick=False):
     body = half(semicircle(radius=1.0, thickness=0.2, size=0.2, base="clamped"))
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Drag(coefficient=1.0))
-    grow = TangentialGrowth(cortex=1.2, layers="sharp")
+    grow = TangentialGrowth(cortex=1.2)
     return {
         "calm one": Scene(body=body, terms=terms, processes=(grow,)),
         "hurried": Scene(body=body, terms=terms, processes=(grow,), stepping=Stepping(seconds=1e-9)),

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from checks import check_process
 from scipy.integrate import solve_ivp
 from scipy.special import expit
 
@@ -25,8 +24,10 @@ from turingfold.growth.stages import restart
 from turingfold.growth.swelling import SurfaceSwelling
 from turingfold.growth.zones import Ellipse, HalfPlane, Window, Zone
 from turingfold.outlines import outline
+from turingfold.parts import TimeStep
 from turingfold.state import State
 from turingfold.terms.elastic.term import Elastic
+from turingfold.testing import advanced, check_process
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,7 @@ PUBLIC_CODE_STILL = (
     [
         TangentialGrowth(cortex=1.9, core=1.1, radial_core=1.05, radial_cortex=1.2, swelling_core=1.1),
         TangentialGrowth(out_of_plane="tangential", thinning=0.4, history=Logistic()),
-        TangentialGrowth(layers="sharp", zones=(Zone(region=Window(start=0.2, end=0.6, edge=0.1)),)),
+        TangentialGrowth(zones=(Zone(region=Window(start=0.2, end=0.6, edge=0.1)),)),
         RateGrowth(zones=PUBLIC_CODE_STILL[:1], radial_rate=0.3, out_of_plane="tangential"),
     ],
 )
@@ -104,7 +105,7 @@ def test_growth_does_not_depend_on_the_steps_taken(body):
     law = RateGrowth()
     state = State(0.0, law.start(body, State(0.0), 0))
     for dt in (0.1, 0.3, 0.2):
-        state = state.updated(state.time + dt, **law.advance(body, state, dt))
+        state = state.updated(state.time + dt, **advanced(law, body, state, dt))
     assert state["growth"] == pytest.approx(grown(law, body, 0.6), rel=1e-14)
 
 
@@ -174,7 +175,7 @@ def test_regions_have_their_shares_at_known_places(body):
         (lambda: Zone(region=Window(start=0.4, end=0.6, edge=0.1), growth=-1.0), "growth=-1"),
         (lambda: Zone(region=Window(start=0.4, end=0.6, edge=0.1), thickness=0), "thickness=0"),
         (lambda: TangentialGrowth(zones=(Window(start=0.4, end=0.6, edge=0.1),)), "is no Zone"),
-        (lambda: TangentialGrowth(layers="sharp", thinning=0.5), 'layers="sharp"'),
+        (lambda: TangentialGrowth(thinning=0.5), 'layers="sharp"'),
         (lambda: TangentialGrowth(radial_cortex=0), "radial_cortex=0"),
         (lambda: TangentialGrowth(thinning=1.5), "thinning=1.5"),
         (lambda: RateGrowth(rate=np.inf), "rate=inf"),
@@ -250,7 +251,8 @@ def test_a_restarted_body_is_free_of_stress_and_follows_its_new_shape(body):
     moved = State(1.0, {"displacement": np.stack([0.2 * x, -0.1 * y + 0.05 * y * x**2])})
     new = restart(body, moved)
     still = np.zeros(2 * new.nodes.shape[1])
-    elastic = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(new).during(State(0.0), 0.1).evaluate(still)
+    potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(new).during(State(0.0), TimeStep(0.1))
+    elastic = potential.evaluate(still)
     forces, scale = elastic.gradient()
     assert np.abs(forces).max() < 1e-13 * np.sqrt(scale)
     # det of the deformation gradient, integrated over the old body, is the new area

@@ -14,6 +14,7 @@ from turingfold.scene import Scene
 from turingfold.solve.march import begin
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
+from turingfold.testing import advanced
 
 
 def scene(body, *processes):
@@ -61,8 +62,8 @@ def test_growth_is_multiplied_in_the_cortex_only():
     growth = TangentialGrowth(cortex=1.9)
     rough = Imperfection(amplitude=0.1)
     start = begin(scene(body(), growth, rough)).state
-    plain = growth.advance(body(), start, 1.0)["growth"]
-    grown = rough.advance(body(), start.updated(growth=plain), 1.0)["growth"]
+    plain = advanced(growth, body(), start, 1.0)["growth"]
+    grown = rough.on(body()).advance(start, start.updated(growth=plain), 1.0)["growth"]
     assert grown[0] - 1.0 == pytest.approx((plain[0] - 1.0) * (1.0 + 0.1 * start["noise"]), rel=1e-12)
     assert np.array_equal(grown[1:], plain[1:])
 

@@ -25,7 +25,9 @@ from turingfold.results.vtu import entries, frame, in_cells, index
 
 HERE = Path(__file__).parents[1]
 PARTS = [
-    turingfold.Elastic(gray=turingfold.NeoHookean(mu=1.0, kappa=5.0), white=turingfold.NeoHookean(mu=2.0, kappa=1 / 3)),
+    turingfold.Elastic(
+        gray=turingfold.NeoHookean(mu=1.0, kappa=5.0), white=turingfold.NeoHookean(mu=2.0, kappa=1 / 3)
+    ),
     turingfold.TangentialGrowth(cortex=1.9, history=turingfold.Table(times=(0.0, 0.1), shares=(0.0, 1.0))),
     turingfold.AxonalTension(strength=-0.5, surface="pial", direction="toward-peaks"),
     turingfold.Turing(turingfold.BVAM(), half_waves=20, ratio=7.0),

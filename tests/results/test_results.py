@@ -19,9 +19,11 @@ from turingfold import (
     semicircle,
     simulate,
 )
+from turingfold.testing import advanced
 
 KEYS = {
-    "status", "message", "time", "area_growth", "core_growth", "centre_growth", "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
+    "status", "message", "time", "area_growth", "core_growth", "centre_growth", "dofs", "triangles",
+    "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "min_jacobian", "min_gap",
     "inverted_elements", "self_intersections", "gyrification_index",
     "folds", "sulcal_depth", "mirror_error", "registration", "converged",
@@ -42,7 +44,7 @@ class Breaks:
     writes: tuple[str, ...] = ("growth",)
 
     def start(self, body, state, seed):
-        return self.advance(body, state, 0.0)
+        return advanced(self, body, state, 0.0)
 
     def advance(self, body, state, dt):
         value = 1.0 if state.time + dt <= self.after else np.nan

@@ -28,7 +28,7 @@ def scene(seed):
     return Scene(
         body=roughened(body, 0.01 * thickness, seed=seed),
         terms=(Elastic(gray=GRAY, white=WHITE),),
-        processes=(TangentialGrowth(cortex=rng.uniform(1.4, 2.2), layers="sharp"),),
+        processes=(TangentialGrowth(cortex=rng.uniform(1.4, 2.2)),),
         stepping=Stepping(first=1 / steps, largest=1 / steps),
     )
 

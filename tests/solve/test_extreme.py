@@ -34,10 +34,10 @@ def scene(
         width=2 * radius, height=aspect * radius, thickness=thickness, size=thickness / layers
     )
     gray, white = (NeoHookean.from_young(young, poisson) for young in (1389.0, 1389.0 * ratio))
-    terms = [Elastic(gray=gray, white=white, layers="sharp"), SelfContact()]
+    terms = [Elastic(gray=gray, white=white), SelfContact()]
     if tension:
         terms.append(AxonalTension(strength=tension / unit, patches=12))
-    growing = TangentialGrowth(cortex=growth, layers="sharp")
+    growing = TangentialGrowth(cortex=growth)
     return Scene(body=body, terms=tuple(terms), processes=(growing,), stepping=Stepping(seconds=seconds))
 
 
@@ -125,7 +125,7 @@ def cleft_between_three_lobes(growth):
     body = outline(points, thickness=0.14, size=0.08, smooth=0.05, tight="trim")
     around = ring(skull, 2 * np.pi * np.append(np.arange(240), 0) / 240)
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(skull=around))
-    growing = TangentialGrowth(cortex=growth, core=growth, layers="sharp")
+    growing = TangentialGrowth(cortex=growth, core=growth)
     return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=60.0)), skull
 
 
@@ -196,7 +196,7 @@ def test_slivers_stretch_as_exactly_as_good_triangles():
     sides = {"pial": lambda x: x[1] > 0.99e-4, "base": lambda x: x[1] == 0.0}
     body = Body(mesh.with_boundaries(sides), 0.5e-4, "roller")
     solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
-    growth = TangentialGrowth(cortex=1.3, core=1.3, layers="sharp")
+    growth = TangentialGrowth(cortex=1.3, core=1.3)
     made = Scene(body=body, terms=(solid,), processes=(growth,))
     for step, _ in march(made, begin(made)):
         assert step.numbers["negative_pivots"] == 0

@@ -4,17 +4,17 @@ import sys
 
 import numpy as np
 import pytest
-from checks import dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csc_matrix, tril
 from small import elastic_scene
 
 from turingfold import Stepping, simulate, stepping
-from turingfold.parts import Hessian
+from turingfold.parts import Entries, Hessian
 from turingfold.solve import linear
 from turingfold.solve.linear import Cholmod, NotPositiveDefinite, SuperLu, solver_for
-from turingfold.solve.sparsity import Gatherer, Pattern
+from turingfold.solve.sparsity import Assembler, Sparsity
+from turingfold.testing import dense
 
 SOLVERS = [SuperLu, pytest.param(Cholmod, id="Cholmod")]
 
@@ -25,12 +25,12 @@ def cholmod_is_there(request):
         pytest.importorskip("cvxopt")
 
 
-def entries(n, count, seed, lasting=False, room=None):
+def entries(n, count, seed, constant=False, expected=None):
     """Return a Hessian of random lower entries with repeated places."""
     rng = np.random.default_rng(seed)
     one, other = rng.integers(0, n, (2, count))
     rows, columns = np.maximum(one, other), np.minimum(one, other)
-    return Hessian(rows, columns, rng.standard_normal(count), lasting, room)
+    return Hessian(Entries(rows, columns), rng.standard_normal(count), constant, expected)
 
 
 def full(pattern, values):
@@ -47,16 +47,16 @@ def stencil(n, seed=0):
     columns = np.repeat(np.arange(n), np.diff(lower.indptr))
     keys = columns.astype(np.int64) * n + lower.indices
     order = np.argsort(keys)
-    return Pattern(n, keys[order]), lower.data[order], A
+    return Sparsity(n, keys[order]), lower.data[order], A
 
 
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(n=st.integers(3, 30), count=st.integers(1, 200), fixed=st.integers(0, 2), seed=st.integers(0, 999))
 def test_gathered_entries_are_the_assembled_matrix(n, count, fixed, seed):
     held = np.random.default_rng(seed).choice(n, fixed, replace=False)
-    hessians = [entries(n, count, seed, lasting=True), entries(n, 2 * count, seed + 1)]
-    gatherer = Gatherer(n, held)
-    pattern, values = gatherer.gather(hessians)
+    hessians = [entries(n, count, seed, constant=True), entries(n, 2 * count, seed + 1)]
+    gatherer = Assembler(n, held)
+    pattern, values = gatherer.assemble(hessians)
     free = np.setdiff1d(np.arange(n), held)
     assert np.array_equal(gatherer.free, free)
     expected = sum(dense(h, n) for h in hessians)[np.ix_(free, free)]
@@ -68,11 +68,11 @@ def test_gathered_entries_are_the_assembled_matrix(n, count, fixed, seed):
 
 def test_a_pattern_is_kept_until_it_lacks_a_place():
     n = 12
-    lasting = entries(n, 60, 0, lasting=True)
+    lasting = entries(n, 60, 0, constant=True)
     soon = np.array([11, 10]), np.array([1, 0])
     near = Hessian(np.array([11]), np.array([0]), np.array([1.0]), False, lambda: soon)
-    gatherer = Gatherer(n, np.array([3]))
-    first, _ = gatherer.gather([lasting, near])
+    gatherer = Assembler(n, np.array([3]))
+    first, _ = gatherer.assemble([lasting, near])
     # same places with other values; nothing to add at all; the places made room for
     for passing in (
         Hessian(near.rows, near.columns, np.array([7.0]), False),
@@ -81,7 +81,7 @@ def test_a_pattern_is_kept_until_it_lacks_a_place():
         Hessian(np.array([3, 5]), np.array([0, 3]), np.ones(2), False),  # fixed unknowns need none
     ):
         again = Hessian(lasting.rows, lasting.columns, 2 * lasting.values, True)
-        pattern, values = gatherer.gather([again, passing])
+        pattern, values = gatherer.assemble([again, passing])
         assert pattern is first
         free = gatherer.free
         expected = (dense(again, n) + dense(passing, n))[np.ix_(free, free)]
@@ -90,7 +90,7 @@ def test_a_pattern_is_kept_until_it_lacks_a_place():
     new = next((i, j) for i in range(n) for j in range(i) if (i, j) not in taken and 3 not in (i, j)
                and (i, j) not in {(11, 0), (11, 1), (10, 0)})
     lacking = Hessian(np.array([new[0]]), np.array([new[1]]), np.array([2.0]), False)
-    pattern, values = gatherer.gather([lasting, lacking])
+    pattern, values = gatherer.assemble([lasting, lacking])
     assert pattern is not first
     expected = (dense(lasting, n) + dense(lacking, n))[np.ix_(free, free)]
     np.testing.assert_allclose(full(pattern, values), expected, atol=1e-13)
@@ -98,23 +98,23 @@ def test_a_pattern_is_kept_until_it_lacks_a_place():
 
 def test_a_lasting_hessian_that_comes_later_gets_its_places():
     n = 10
-    first, second = entries(n, 30, 0, lasting=True), entries(n, 30, 1, lasting=True)
-    gatherer = Gatherer(n, np.zeros(0, dtype=np.int64))
-    gatherer.gather([first])
-    pattern, values = gatherer.gather([first, second])
+    first, second = entries(n, 30, 0, constant=True), entries(n, 30, 1, constant=True)
+    gatherer = Assembler(n, np.zeros(0, dtype=np.int64))
+    gatherer.assemble([first])
+    pattern, values = gatherer.assemble([first, second])
     np.testing.assert_allclose(full(pattern, values), dense(first, n) + dense(second, n), atol=1e-13)
     # and one that stays away leaves its places empty
-    pattern, values = gatherer.gather([second])
+    pattern, values = gatherer.assemble([second])
     np.testing.assert_allclose(full(pattern, values), dense(second, n), atol=1e-13)
 
 
 def test_restored_places_give_the_same_pattern():
     n = 10
-    lasting, passing = entries(n, 20, 0, lasting=True), entries(n, 5, 1)
-    gatherer = Gatherer(n, np.array([0]))
-    pattern, _ = gatherer.gather([lasting, passing])
-    other = Gatherer(n, np.array([0]), gatherer.places)
-    restored, values = other.gather([entries(n, 20, 0, lasting=True)])
+    lasting, passing = entries(n, 20, 0, constant=True), entries(n, 5, 1)
+    gatherer = Assembler(n, np.array([0]))
+    pattern, _ = gatherer.assemble([lasting, passing])
+    other = Assembler(n, np.array([0]), gatherer.places)
+    restored, values = other.assemble([entries(n, 20, 0, constant=True)])
     assert np.array_equal(restored.keys, pattern.keys)
     np.testing.assert_allclose(full(restored, values), dense(lasting, n)[1:, 1:], atol=1e-13)
 
@@ -133,7 +133,7 @@ def test_solvers_solve(kind):
 @pytest.mark.parametrize("kind", SOLVERS)
 def test_solvers_need_no_full_diagonal(kind):
     # the first unknown has no diagonal entry at all, so that the matrix cannot be positive definite
-    pattern = Pattern(2, np.array([1, 3]))
+    pattern = Sparsity(2, np.array([1, 3]))
     solver = kind(pattern)
     with pytest.raises(NotPositiveDefinite):
         solver.factorize(np.array([1.0, 2.0]))
@@ -212,8 +212,8 @@ def test_solvers_let_freed_memory_be_used_again():
     program = """
 import resource, numpy
 from turingfold.solve.linear import solver_for
-from turingfold.solve.sparsity import Pattern
-solver_for(Pattern(2, numpy.array([0, 1, 3])))
+from turingfold.solve.sparsity import Sparsity
+solver_for(Sparsity(2, numpy.array([0, 1, 3])))
 def blocks():
     return [b"1" * 12_000_000 for _ in range(3)]
 blocks()

@@ -3,7 +3,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from checks import check_process, check_term, message_names
+from checks import message_names
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from skfem import MeshTri1
@@ -13,7 +13,7 @@ from turingfold.geometry.body import Body
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.histories import Exponential
 from turingfold.growth.laws import RateGrowth, TangentialGrowth
-from turingfold.parts import SimplePotential
+from turingfold.parts import Potential, TimeStep
 from turingfold.scene import Scene
 from turingfold.solve.march import begin, march
 from turingfold.solve.newton import Minimiser
@@ -23,6 +23,7 @@ from turingfold.terms.contact import SelfContact
 from turingfold.terms.dynamics import Drag, Inertia
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
+from turingfold.testing import check_process, check_term
 
 SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
 
@@ -231,7 +232,7 @@ def test_the_same_scene_gives_the_same_bytes():
 
 def test_a_full_body_keeps_its_mirror_symmetry_while_it_is_stable():
     made = semicircle(radius=1.0, thickness=0.2, size=0.1, base="roller")
-    grow = TangentialGrowth(cortex=1.4, layers="sharp")
+    grow = TangentialGrowth(cortex=1.4)
     u = run(scene(made, processes=(grow,), first=0.5, largest=0.5, tolerance=1e-11))[-1]
     place = {(round(x, 9), round(y, 9)): k for k, (x, y) in enumerate(made.nodes.T.tolist())}
     image = [place[(round(-x, 9) + 0.0, round(y, 9))] for x, y in made.nodes.T.tolist()]
@@ -244,7 +245,7 @@ def test_a_full_body_keeps_its_mirror_symmetry_while_it_is_stable():
     "process",
     [
         TangentialGrowth(cortex=1.5),
-        TangentialGrowth(cortex=1.5, core=1.1, radial_core=1.2, swelling_core=1.1, layers="sharp"),
+        TangentialGrowth(cortex=1.5, core=1.1, radial_core=1.2, swelling_core=1.1),
         TangentialGrowth(cortex=1.5, out_of_plane="tangential", history=Exponential()),
         TangentialGrowth(cortex=1.5, modulation=0.5),
     ],
@@ -342,7 +343,7 @@ def test_inertia_and_drag_pass_the_examination(body, term, other):
     still = State(0.3, {"displacement": np.zeros(shape)})
     moved = np.tile([0.3, -0.2], shape[1])
     # a translation by d in a step of 0.1 on an area of 2: ½ m |d|² over dt² or dt; midpoint: 2 m |d|²/dt²
-    energy = term.on(body).during(still, 0.1).evaluate(moved).energy
+    energy = term.on(body).during(still, TimeStep(0.1)).evaluate(moved).energy
     kind = "drag" if isinstance(term, Drag) else term.scheme
     divisor = {"drag": 0.1, "euler": 0.01, "midpoint": 0.0025}[kind]
     assert energy == pytest.approx(0.5 * mass * 2.0 * 0.13 / divisor, rel=1e-12)
@@ -378,7 +379,7 @@ class _Overshoots:
 
 
 @dataclass(frozen=True)
-class _End(SimplePotential):
+class _End(Potential):
     state: State
     beyond: bool
 

@@ -8,11 +8,12 @@ from checks import message_names
 from turingfold.errors import NotConvergedError
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.laws import TangentialGrowth
-from turingfold.parts import Hessian
+from turingfold.parts import Entries, Hessian, TimeStep
 from turingfold.solve.newton import Minimiser
 from turingfold.state import State
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
+from turingfold.testing import advanced
 
 ROWS, COLUMNS = np.array([0, 1, 1]), np.array([0, 0, 1])
 
@@ -41,8 +42,8 @@ class _Point:
     surface: Surface
     x: np.ndarray
     energy: float
-    curved = True
-    grain = 1e-15
+    has_hessian = True
+    round_off = 1e-15
 
     def gradient(self):
         slope = np.array(self.surface.slope(*self.x), dtype=float)
@@ -53,7 +54,7 @@ class _Point:
         values, vectors = np.linalg.eigh(H)
         values = values - convexity * np.minimum(values, 0.0) + 1e-9 * convexity
         H = vectors @ np.diag(values) @ vectors.T
-        return Hessian(ROWS, COLUMNS, np.array([H[0, 0], H[1, 0], H[1, 1]]), lasting=True)
+        return Hessian(Entries(ROWS, COLUMNS), np.array([H[0, 0], H[1, 0], H[1, 1]]))
 
 
 def bowl(**options):
@@ -223,8 +224,8 @@ def test_the_memory_of_one_minimiser_goes_on_in_another():
 def test_a_grown_body_reaches_the_tolerance_and_is_certified():
     body = semicircle(radius=1.0, thickness=0.3, size=0.15, base="roller")
     state = State(0.0, {"displacement": np.zeros_like(body.nodes)})
-    state = state.updated(**TangentialGrowth(cortex=1.5).advance(body, state, 1.0))
-    potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(body).during(state, 1.0)
+    state = state.updated(**advanced(TangentialGrowth(cortex=1.5), body, state, 1.0))
+    potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(body).during(state, TimeStep(1.0))
     solver = Minimiser(2 * body.nodes.shape[1], body.fixed, 1e-9, 60)
     start = np.zeros(2 * body.nodes.shape[1])
     found = solver.minimise([potential], start)

@@ -8,7 +8,7 @@ from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, s
 from turingfold.solve.inertia import negative_pivots
 from turingfold.solve.march import acting, begin, discretised, march
 from turingfold.solve.prediction import REMEMBERED, Past, extrapolated
-from turingfold.solve.sparsity import Gatherer
+from turingfold.solve.sparsity import Assembler
 from turingfold.terms.dynamics import Drag
 
 TIMES = (0.0, 0.1, 0.23, 0.3, 0.45)
@@ -60,11 +60,11 @@ def test_the_number_of_negative_pivots_is_that_of_the_accepted_state(others):
     grow, steps = TangentialGrowth(cortex=1.9), Stepping(first=1 / 40, largest=1 / 40)
     scene = Scene(body=body, terms=terms, processes=(grow,), stepping=steps)
     operators, held = discretised(scene)
-    gatherer = Gatherer(2 * body.nodes.shape[1], held)
+    gatherer = Assembler(2 * body.nodes.shape[1], held)
     single = 0
     for step, progress in march(scene, begin(scene)):
         at = [p.evaluate(step.x) for p in acting(operators, step.state, step.numbers["step"])]
-        count = negative_pivots(*gatherer.gather([e.hessian(0.0) for e in at]))
+        count = negative_pivots(*gatherer.assemble([e.hessian(0.0) for e in at]))
         assert step.numbers["negative_pivots"] == count
         single += step.numbers["factorizations"] == 1 and progress.memory.point is not None
     assert single > 5  # states whose tangent was not factorised again

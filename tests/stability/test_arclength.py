@@ -12,7 +12,7 @@ from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.laws import TangentialGrowth
-from turingfold.parts import Hessian, SimplePotential
+from turingfold.parts import Entries, Hessian, Potential
 from turingfold.results.simulate import simulate
 from turingfold.scene import Scene
 from turingfold.solve.march import Progress, march
@@ -64,7 +64,7 @@ class TrussOperator:
 
 
 @dataclass(frozen=True)
-class TrussPotential(SimplePotential):
+class TrussPotential(Potential):
     operator: TrussOperator
     load: float
 
@@ -209,7 +209,7 @@ class BentOperator:
 
 
 @dataclass(frozen=True)
-class BentPotential(SimplePotential):
+class BentPotential(Potential):
     operator: BentOperator
     load: float
 
@@ -237,7 +237,7 @@ class BentEvaluation:
         values = np.ones(len(self.x))
         values[-1] = -self.k if 1 < self.u < 1.5 else self.k
         places = self.potential.operator.places
-        return Hessian(places, places, values, lasting=True)
+        return Hessian(Entries(places, places), values)
 
 
 @pytest.mark.parametrize("stiffness", [0.3, 1.0, 3.0, 100.0])
@@ -327,7 +327,7 @@ class RingOperator:
 
 
 @dataclass(frozen=True)
-class RingPotential(SimplePotential):
+class RingPotential(Potential):
     operator: RingOperator
     time: float
 
@@ -391,7 +391,7 @@ def growing(*terms, element="auto", largest=0.1):
     body = half(semicircle(radius=1.0, thickness=0.2, size=0.1, base="clamped"))
     solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), element=element)
     return Scene(
-        body=body, terms=(solid, *terms), processes=(TangentialGrowth(cortex=2.0, layers="sharp"),),
+        body=body, terms=(solid, *terms), processes=(TangentialGrowth(cortex=2.0),),
         stepping=Stepping(first=0.1, largest=largest),
     )
 

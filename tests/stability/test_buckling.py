@@ -16,9 +16,9 @@ from turingfold.growth.laws import TangentialGrowth
 from turingfold.scene import Scene
 from turingfold.solve.inertia import Indefinite, negative_pivots
 from turingfold.solve.march import begin, march
-from turingfold.solve.sparsity import Pattern
+from turingfold.solve.sparsity import Sparsity
 from turingfold.stability.buckling import buckling, half_waves
-from turingfold.stability.fundamental_path import BasePath
+from turingfold.stability.fundamental_path import FundamentalPath
 from turingfold.stepping import Stepping
 from turingfold.terms.dynamics import Drag
 from turingfold.terms.elastic.material import NeoHookean
@@ -46,30 +46,32 @@ class Mixed(Elastic):
         return MixedOperator(body, *self.moduli(body))
 
 
-def grown(body, *, cortex=2.0, ratio=1.0, layers="sharp", out_of_plane="fixed", stepping=COARSE, term=None):
+def grown(body, *, cortex=2.0, ratio=1.0, out_of_plane="fixed", stepping=COARSE, term=None):
     """Return a growing scene whose cortex is `ratio` times as stiff as its core."""
     gray = NeoHookean(mu=ratio * CORE.mu, kappa=ratio * CORE.kappa)
     return Scene(
         body=body,
-        terms=(term or Elastic(gray=gray, white=CORE, layers=layers),),
-        processes=(TangentialGrowth(cortex=cortex, layers=layers, out_of_plane=out_of_plane),),
+        terms=(term or Elastic(gray=gray, white=CORE),),
+        processes=(TangentialGrowth(cortex=cortex, out_of_plane=out_of_plane),),
         stepping=stepping,
     )
 
 
-def disc(thickness, layers_of_elements, base="roller", radius=1.0):
+def disc(thickness, layers_of_elements, base="roller", radius=1.0, layers="sharp"):
     size = thickness / layers_of_elements
-    return semicircle(radius=radius, thickness=thickness * radius, size=size * radius, base=base)
+    return semicircle(
+        radius=radius, thickness=thickness * radius, size=size * radius, base=base, layers=layers
+    )
 
 
 # eigenvalues and waves
 
 
 def lower(matrix):
-    """Return the pattern and the lower-triangle values of a dense symmetric matrix."""
+    """Return the sparsity and the lower-triangle values of a dense symmetric matrix."""
     n = len(matrix)
     columns, rows = np.nonzero(np.triu(matrix))
-    return Pattern(n, columns.astype(np.int64) * n + rows), matrix[rows, columns]
+    return Sparsity(n, columns.astype(np.int64) * n + rows), matrix[rows, columns]
 
 
 @pytest.mark.parametrize("shift", [-3.0, 0.0, 0.7, 3.0])
@@ -124,8 +126,8 @@ def test_the_half_disc_on_rollers_buckles_as_computed_independently(case):
     thickness, ratio, layers, out = case
     growth, mode = REFERENCE[case]
     cortex = 1.3 if ratio == 10 else 2.0
-    options = {"cortex": cortex, "ratio": ratio, "layers": layers, "out_of_plane": out}
-    found = buckling(grown(disc(thickness, 2), **options))
+    options = {"cortex": cortex, "ratio": ratio, "out_of_plane": out}
+    found = buckling(grown(disc(thickness, 2, layers=layers), **options))
     assert found.growth == pytest.approx(growth, rel=0.004)
     assert abs(found.mode - mode) <= 1
     assert abs(found.stiffness) < 1e-3
@@ -138,8 +140,8 @@ def test_the_threshold_converges_from_above(case):
     thickness, ratio, layers, out = case
     growth, mode = REFERENCE[case]
     cortex = 1.3 if ratio == 10 else 2.0
-    options = {"cortex": cortex, "ratio": ratio, "layers": layers, "out_of_plane": out}
-    coarse, fine = (buckling(grown(disc(thickness, n), **options)) for n in (2, 4))
+    options = {"cortex": cortex, "ratio": ratio, "out_of_plane": out}
+    coarse, fine = (buckling(grown(disc(thickness, n, layers=layers), **options)) for n in (2, 4))
     assert growth < fine.growth < growth + 0.5 * (coarse.growth - growth)
     assert fine.growth == pytest.approx(growth, rel=0.001)
     assert abs(fine.mode - mode) <= 1
@@ -147,7 +149,7 @@ def test_the_threshold_converges_from_above(case):
 
 @pytest.mark.slow
 def test_a_quarter_of_the_thickness_buckles_into_four_times_the_waves():
-    found = buckling(grown(disc(0.025, 3), layers="sigmoid"))
+    found = buckling(grown(disc(0.025, 3, layers="sigmoid")))
     assert found.growth == pytest.approx(1.6668, rel=0.005)
     assert abs(found.mode - 61) <= 1
 
@@ -221,7 +223,7 @@ def final(scene, progress, until):
 def test_the_branch_of_a_stiff_cortex_is_a_pitchfork():
     """Reference: beyond a pitchfork, amplitudes grow as √(t - t_c) and the energy gained as (t - t_c)²."""
     scene = grown(disc(0.1, 2), cortex=1.3, ratio=10.0)
-    found, path, pial = buckling(scene), BasePath(scene), scene.body.pial
+    found, path, pial = buckling(scene), FundamentalPath(scene), scene.body.pial
     amplitudes, gains = [], []
     for dt in (0.01, 0.02):
         straight = path.step(found.state, dt, None)

@@ -11,8 +11,9 @@ from scipy.optimize import brentq
 from skfem import MeshTri1
 
 from turingfold.geometry.body import Body
+from turingfold.parts import TimeStep
 from turingfold.solve.linear import NotPositiveDefinite, solver_for
-from turingfold.solve.sparsity import Gatherer
+from turingfold.solve.sparsity import Assembler
 from turingfold.state import State
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
@@ -150,7 +151,7 @@ class Tangents:
         self.strip = strip
         self.body, fixed = mesh(strip, layers, around)
         self.operator = Elastic(gray=strip.cortex, white=strip.core).on(self.body)
-        self.gatherer = Gatherer(2 * self.body.nodes.shape[1], fixed)
+        self.assembler = Assembler(2 * self.body.nodes.shape[1], fixed)
         self.solver = None
 
     def at(self, growth):
@@ -160,13 +161,13 @@ class Tangents:
         factors[0, :, body.in_cortex] = growth
         y = body.nodes[1]
         up = np.where(y > 0, (rise(self.strip.cortex, growth) - 1) * y, 0.0)
-        potential = self.operator.during(State(1.0, {"growth": factors}), 1.0)
+        potential = self.operator.during(State(1.0, {"growth": factors}), TimeStep(1.0))
         return potential, np.stack([np.zeros_like(up), up]).T.ravel()
 
     def stable(self, growth):
         """Return whether the tangent is positive definite."""
         potential, x = self.at(growth)
-        pattern, values = self.gatherer.gather([potential.evaluate(x).hessian(0.0)])
+        pattern, values = self.assembler.assemble([potential.evaluate(x).hessian(0.0)])
         self.solver = self.solver or solver_for(pattern)
         try:
             self.solver.factorize(values)
@@ -189,7 +190,7 @@ def test_the_homogeneous_state_is_an_equilibrium(name):
     tangents = Tangents(STRIPS[name][0], 2, 8)
     potential, x = tangents.at(1.4)
     forces, scale = potential.evaluate(x).gradient()
-    assert np.linalg.norm(forces[tangents.gatherer.free]) < 1e-12 * np.sqrt(scale)
+    assert np.linalg.norm(forces[tangents.assembler.free]) < 1e-12 * np.sqrt(scale)
 
 
 @pytest.mark.parametrize("name", STRIPS)

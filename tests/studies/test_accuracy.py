@@ -102,7 +102,7 @@ def test_no_energy_at_all_is_no_large_error_of_it():
 
 
 def scene_at_rest():
-    return replace(scene(), processes=(TangentialGrowth(cortex=1.0, layers="sharp"),))
+    return replace(scene(), processes=(TangentialGrowth(cortex=1.0),))
 
 
 def test_other_numbers_of_sulci_are_pointed_out():

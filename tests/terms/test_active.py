@@ -1,16 +1,17 @@
 """Active tangential stress of a layer."""
 import numpy as np
 import pytest
-from checks import check_term, dense
 
 from turingfold.errors import MissingFieldError
 from turingfold.geometry.shapes import semicircle
+from turingfold.parts import TimeStep
 from turingfold.scene import Scene
 from turingfold.solve.march import begin, march
 from turingfold.state import State
 from turingfold.terms.active import ActiveStress
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
+from turingfold.testing import check_term, dense
 
 
 def body(size=0.1, **options):
@@ -33,7 +34,7 @@ def test_examination():
 
 def test_pushing_is_made_convex_on_request():
     made = body(0.2)
-    potential = ActiveStress(stress=-2.0).on(made).during(State(1.0), 1.0)
+    potential = ActiveStress(stress=-2.0).on(made).during(State(1.0), TimeStep(1.0))
     here = potential.evaluate(samples(made, 1)[0])
     assert np.linalg.eigvalsh(dense(here.hessian(0.0), 2 * made.nodes.shape[1]))[0] < -1e-3
     assert not here.hessian(1.0).values.any()
@@ -42,7 +43,7 @@ def test_pushing_is_made_convex_on_request():
 def test_energy_of_a_uniform_stretch():
     """x = (1+e) X stretches every tangent by 1+e: σ/2 ((1+e)² - 1) times the area of half an annulus."""
     made, e, stress = body(0.02), 0.1, 5.0
-    potential = ActiveStress(stress=stress, depth=(0.0, 1.0)).on(made).during(State(1.0), 1.0)
+    potential = ActiveStress(stress=stress, depth=(0.0, 1.0)).on(made).during(State(1.0), TimeStep(1.0))
     area = 0.5 * np.pi * (1.0 - 0.8**2)
     energy = potential.evaluate(e * made.nodes.T.ravel()).energy
     assert energy == pytest.approx(0.5 * stress * ((1 + e) ** 2 - 1) * area, rel=1e-6)

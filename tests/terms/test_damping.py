@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from checks import check_balanced, check_derivatives, check_semidefinite, dense, message_names
+from checks import message_names
 from scipy.linalg import eigh
 
 from turingfold.cli.main import main
 from turingfold.geometry.shapes import semicircle
+from turingfold.parts import TimeStep
 from turingfold.scene import Scene
 from turingfold.solve.march import Progress, begin, march
 from turingfold.state import State
@@ -15,6 +16,7 @@ from turingfold.terms.damping import StiffnessDamping
 from turingfold.terms.dynamics import Drag, Inertia, Mass
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
+from turingfold.testing import check_balanced, check_derivatives, check_semidefinite, dense
 
 GRAY = NeoHookean(mu=1.0, kappa=5.0)
 SOLID = Elastic(gray=GRAY)
@@ -28,7 +30,7 @@ def disc(base="free"):
 def at_rest(body, *, time=0.2, dt=0.1, elastic=SOLID, scheme="euler", **fields):
     """Return the potential of a step from rest."""
     state = State(dt, {"displacement": np.zeros_like(body.nodes), **fields})
-    return StiffnessDamping(elastic=elastic, time=time, scheme=scheme).on(body).during(state, dt)
+    return StiffnessDamping(elastic=elastic, time=time, scheme=scheme).on(body).during(state, TimeStep(dt))
 
 
 def mode(body, number):
@@ -36,8 +38,9 @@ def mode(body, number):
     n = body.nodes.size
     free = np.setdiff1d(np.arange(n), body.supported)
     none = State(0.0, {})
-    K = dense(SOLID.on(body).during(none, 1.0).evaluate(np.zeros(n)).hessian(0.0), n)
-    potential = Inertia(density=1.0).on(body).during(State(0.0, {"displacement": np.zeros((2, n // 2))}), 1.0)
+    K = dense(SOLID.on(body).during(none, TimeStep(1.0)).evaluate(np.zeros(n)).hessian(0.0), n)
+    rest = State(0.0, {"displacement": np.zeros((2, n // 2))})
+    potential = Inertia(density=1.0).on(body).during(rest, TimeStep(1.0))
     M = dense(potential.evaluate(np.zeros(n)).hessian(0.0), n)
     values, vectors = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)])
     shape = np.zeros(n)
@@ -161,7 +164,7 @@ def test_the_work_of_a_step_is_the_energy_that_the_damping_takes(scheme):
     end = 0.01 * np.random.default_rng(2).standard_normal(body.nodes.size)
     there = end if scheme == "euler" else 0.5 * end
     force, _ = potential.evaluate(there).gradient()
-    K = SOLID.on(body).during(State(0.0, {}), 1.0).evaluate(np.zeros(len(end))).hessian(0.0)
+    K = SOLID.on(body).during(State(0.0, {}), TimeStep(1.0)).evaluate(np.zeros(len(end))).hessian(0.0)
     velocity = end / dt
     assert force @ end == pytest.approx(dt * beta * velocity @ dense(K, len(end)) @ velocity, rel=1e-12)
 

@@ -7,6 +7,7 @@ import pytest
 
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.laws import TangentialGrowth
+from turingfold.parts import TimeStep
 from turingfold.scene import Scene
 from turingfold.solve.march import Progress, begin, march
 from turingfold.state import State
@@ -107,7 +108,7 @@ def test_drag_slows_towards_the_static_state():
     rng = np.random.default_rng(1)
     x, old = 1e-6 * rng.standard_normal((2, 2 * n))
     dt = 0.3
-    potential = drag.on(body).during(State(dt, {"displacement": old.reshape(-1, 2).T}), dt)
+    potential = drag.on(body).during(State(dt, {"displacement": old.reshape(-1, 2).T}), TimeStep(dt))
     force, _ = potential.evaluate(x).gradient()
     assert force == pytest.approx(Mass(body, 2.0).times(x - old) / dt, rel=1e-12)
     scene = Scene(body=body, terms=(solid, drag), until=50.0)

@@ -1,17 +1,20 @@
 """Axonal tension: balance, energy, where and which way it pulls, and its ramp."""
 import numpy as np
 import pytest
-from checks import check_balanced, check_term, message_names
+from checks import message_names
 from skfem import MeshTri1
 
 from turingfold.errors import MissingFieldError
 from turingfold.geometry.body import Body
 from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle, semiellipse
+from turingfold.parts import TimeStep
 from turingfold.scene import Scene
 from turingfold.state import State
 from turingfold.terms.tension import AxonalTension
+from turingfold.testing import check_balanced, check_term
 
+STEP = TimeStep(0.1)
 RADIUS, T = 1.0, 0.3
 
 
@@ -71,7 +74,7 @@ def test_line_tension_has_no_net_force_or_moment(shape, follower):
     else:
         made = semicircle(radius=RADIUS, thickness=T, size=0.15, base="free")
     state = patterned(made, lambda p: np.random.default_rng(0).uniform(0, 1, p.shape[1]))
-    potential = AxonalTension(strength=2.0, follower=follower).on(made).during(state, 0.1)
+    potential = AxonalTension(strength=2.0, follower=follower).on(made).during(state, STEP)
     at_rest = np.zeros(2 * made.nodes.shape[1])
     check_balanced(made, at_rest, potential.evaluate(at_rest).gradient()[0])
 
@@ -79,7 +82,7 @@ def test_line_tension_has_no_net_force_or_moment(shape, follower):
 def test_constant_tension_is_the_pressure_of_a_bent_string(body):
     # a string of tension γ on a circle of radius r presses inward with γ/r: per angle with γ
     constant = patterned(body, lambda p: np.ones(p.shape[1]))
-    force = -AxonalTension(strength=3.0).on(body).during(constant, 0.1).evaluate(small(body)).gradient()[0]
+    force = -AxonalTension(strength=3.0).on(body).during(constant, STEP).evaluate(small(body)).gradient()[0]
     interface = body.interface[1:-1]  # the two ends carry the end forces γ T
     load = force.reshape(-1, 2)[interface]
     along = body.nodes[:, interface] / np.hypot(*body.nodes[:, interface])
@@ -95,7 +98,7 @@ def test_constant_tension_is_the_pressure_of_a_bent_string(body):
 def test_dead_line_tension_is_the_follower_at_rest(body):
     state, x = patterned(body, waves), np.zeros(2 * body.nodes.shape[1])
     dead, follower = (
-        AxonalTension(strength=1.3, follower=f).on(body).during(state, 0.1).evaluate(x).gradient()[0]
+        AxonalTension(strength=1.3, follower=f).on(body).during(state, STEP).evaluate(x).gradient()[0]
         for f in (False, True)
     )
     np.testing.assert_allclose(dead, follower, atol=1e-15)
@@ -104,7 +107,7 @@ def test_dead_line_tension_is_the_follower_at_rest(body):
 def test_follower_energy_is_tension_times_length(body):
     # the deformed interface, turned and stretched by 1.2: γ times its length
     state = patterned(body, lambda p: np.ones(p.shape[1]))
-    potential = AxonalTension(strength=2.0, follower=True).on(body).during(state, 0.1)
+    potential = AxonalTension(strength=2.0, follower=True).on(body).during(state, STEP)
     x = (0.2 * body.nodes).T.ravel()
     assert potential.evaluate(x).energy == pytest.approx(2.0 * 1.2 * np.pi * (RADIUS - T), rel=1e-6)
 
@@ -114,7 +117,7 @@ def test_pial_loads_converge_where_they_say(body, direction, sign):
     # û has its peak at the apex: left of it, "toward" is to the right
     term = AxonalTension(strength=2.0, surface="pial", direction=direction)
     state = patterned(body, lambda p: 0.5 * (1 - np.cos(2 * angle(p))))
-    force = -term.on(body).during(state, 0.1).evaluate(small(body)).gradient()[0].reshape(-1, 2)
+    force = -term.on(body).during(state, STEP).evaluate(small(body)).gradient()[0].reshape(-1, 2)
     x, y = body.nodes
     left = (x < -0.3) & (x > -0.9)
     assert (sign * force[left & np.isin(np.arange(len(x)), body.pial), 0] > 0).all()
@@ -129,7 +132,7 @@ def test_the_largest_pial_traction_is_the_strength():
     made = semicircle(radius=RADIUS, thickness=T, size=0.05, base="free")
     operator = AxonalTension(strength=2.0, surface="pial").on(made)
     state = patterned(made, lambda p: 0.5 * (1 - np.cos(2 * angle(p))))
-    force = operator.during(state, 0.1).evaluate(np.zeros(2 * made.nodes.shape[1])).gradient()[0]
+    force = operator.during(state, STEP).evaluate(np.zeros(2 * made.nodes.shape[1])).gradient()[0]
     # consistent nodal forces of a smooth traction t: at a vertex t h/3 with h the edge, at a middle 2 t h/3
     load = np.hypot(*force.reshape(-1, 2)[made.pial[1:-1:2]].T)
     edge = np.diff(made.pial_arc[::2])
@@ -139,14 +142,14 @@ def test_the_largest_pial_traction_is_the_strength():
 def test_tension_rises_along_its_ramp(body):
     term = AxonalTension(strength=1.0, ramp=0.5)
     x = small(body)
-    full = term.on(body).during(patterned(body, waves, time=0.5), 0.1).evaluate(x).gradient()[0]
-    part = term.on(body).during(patterned(body, waves, time=0.1), 0.1).evaluate(x).gradient()[0]
-    later = term.on(body).during(patterned(body, waves, time=0.9), 0.1).evaluate(x).gradient()[0]
+    full = term.on(body).during(patterned(body, waves, time=0.5), STEP).evaluate(x).gradient()[0]
+    part = term.on(body).during(patterned(body, waves, time=0.1), STEP).evaluate(x).gradient()[0]
+    later = term.on(body).during(patterned(body, waves, time=0.9), STEP).evaluate(x).gradient()[0]
     np.testing.assert_allclose(part, 0.2 * full, rtol=1e-13, atol=1e-16)
     assert np.array_equal(later, full)
-    assert term.on(body).during(patterned(body, waves, time=0.0), 0.1) is None
-    assert AxonalTension(strength=0.0).on(body).during(patterned(body, waves), 0.1) is None
-    at_once = AxonalTension(strength=1.0, ramp=0.0).on(body).during(patterned(body, waves, time=1e-9), 0.1)
+    assert term.on(body).during(patterned(body, waves, time=0.0), STEP) is None
+    assert AxonalTension(strength=0.0).on(body).during(patterned(body, waves), STEP) is None
+    at_once = AxonalTension(strength=1.0, ramp=0.0).on(body).during(patterned(body, waves, time=1e-9), STEP)
     assert np.array_equal(at_once.evaluate(x).gradient()[0], full)
 
 
@@ -161,8 +164,8 @@ def test_patches_are_the_cosine_of_the_arc():
         x = np.zeros(2 * made.nodes.shape[1])
         empty = State(1.0, {"displacement": np.zeros_like(made.nodes)})
         cosine = patterned(made, lambda p: 0.5 * (1 + np.cos(8 * angle(p))))
-        found = term.on(made).during(empty, 0.1).evaluate(x).gradient()[0]
-        expected = AxonalTension(strength=1.0).on(made).during(cosine, 0.1).evaluate(x).gradient()[0]
+        found = term.on(made).during(empty, STEP).evaluate(x).gradient()[0]
+        expected = AxonalTension(strength=1.0).on(made).during(cosine, STEP).evaluate(x).gradient()[0]
         errors.append(np.abs(found - expected).max() / np.abs(expected).max())
     assert errors[1] < 8 * T * (0.075 / 2) ** 3  # slope of the cosine, depth, δ³ < (size/2)³
     assert np.log2(errors[0] / errors[1]) > 2.8
@@ -177,7 +180,7 @@ def test_tension_on_half_the_body_is_half_the_tension():
     assert len(own) > 50
     forces = []
     for made in (whole, part):
-        potential = AxonalTension(strength=1.0).on(made).during(patterned(made, waves), 0.1)
+        potential = AxonalTension(strength=1.0).on(made).during(patterned(made, waves), STEP)
         forces.append(potential.evaluate(np.zeros(2 * made.nodes.shape[1])).gradient()[0].reshape(-1, 2))
     np.testing.assert_allclose(forces[1][own], forces[0][partner], atol=1e-12)
 
@@ -220,10 +223,10 @@ def test_between_peaks_on_the_interface_pulls_where_the_pattern_is_low():
     forces = {}
     for direction in ("toward-peaks", "between-peaks", None):
         term = AxonalTension(strength=2.0, direction=direction, ramp=0.0)
-        potential = term.on(body).during(State(1.0, {"pattern": pattern}), 1.0)
+        potential = term.on(body).during(State(1.0, {"pattern": pattern}), TimeStep(1.0))
         forces[direction] = potential.forces
     state = State(1.0, {"pattern": np.ones_like(pattern)})
-    uniform = AxonalTension(strength=2.0, ramp=0.0).on(body).during(state, 1.0)
+    uniform = AxonalTension(strength=2.0, ramp=0.0).on(body).during(state, TimeStep(1.0))
     assert np.array_equal(forces[None], forces["toward-peaks"])
     total = forces["toward-peaks"] + forces["between-peaks"]
     np.testing.assert_allclose(total, uniform.forces, atol=1e-14)
@@ -233,4 +236,4 @@ def test_pattern_uniform_but_for_round_off_makes_no_traction():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)
     pattern = 1.0 + 1e-15 * np.arange(len(body.cortex.nodes)) / len(body.cortex.nodes)
     term = AxonalTension(strength=2.0, surface="pial", ramp=0.0)
-    assert not term.on(body).during(State(1.0, {"pattern": pattern}), 1.0).forces.any()
+    assert not term.on(body).during(State(1.0, {"pattern": pattern}), TimeStep(1.0)).forces.any()

@@ -10,6 +10,7 @@ from turingfold.geometry.shapes import semicircle, semiellipse
 from turingfold.outlines import outline
 from turingfold.parts import Process
 from turingfold.state import State
+from turingfold.testing import advanced
 from turingfold.turing.kinetics.concentrations import Brusselator, GrayScott, Schnakenberg
 from turingfold.turing.kinetics.deviations import BVAM, FitzHughNagumo
 from turingfold.turing.modes import growing, mode_with, modes_near, sign_changes, spectrum
@@ -188,7 +189,7 @@ def test_turing_is_a_process_that_writes_what_it_says():
     assert fields["pattern"].min() == 0.0
     assert fields["pattern"].max() == 1.0
     assert fields["activator"].min() < 0
-    assert part.advance(where, State(0.0, fields), 0.1) == {}
+    assert advanced(part, where, State(0.0, fields), 0.1) == {}
 
 
 def test_what_the_band_cannot_hold_is_refused_with_the_numbers():

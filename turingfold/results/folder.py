@@ -2,7 +2,7 @@
 
     scene.json, body.npz       what was run: every part and value, versions, seed; it can be rebuilt and rerun
     history.csv                a row per accepted step
-    summary.json               the numbers of the last state, and how the run ended; none of a run that was killed
+    summary.json               numbers of the last state, and how the run ended; none of a killed run
     states/000012.npz          fields of the state after step 12, exactly; the last state is always there
     frames/000012.vtu, frames.pvd   the same for ParaView
     checkpoint-000012.npz      from which the run goes on bit for bit; the last two are kept
@@ -296,7 +296,8 @@ def _arrays(checkpoint: Checkpoint) -> Arrays:
         arrays["past.displacements"] = np.stack([past.displacement for past in progress.past])
     if (memory := progress.memory) is not None:
         arrays["memory.changing"] = memory.changing
-        arrays["memory.convexity"], arrays["memory.missed"] = np.array(memory.convexity), np.array(memory.missed)
+        arrays["memory.convexity"] = np.array(memory.convexity)
+        arrays["memory.missed"] = np.array(memory.missed)
         if memory.point is not None:
             arrays["memory.point"] = memory.point
     return arrays

@@ -101,10 +101,10 @@ class Result:
         times, time = np.array([state.time for state in self.states]), finite("time", time)
         step, tolerance = int(np.argmin(np.abs(times - time))), 1e-9 * self.scene.until
         if not times[0] - tolerance <= time <= times[-1] + tolerance:
-            raise ValueError(f"time={time:g} must be between {times[0]:g} and {times[-1]:g}, the last state's.")
+            raise ValueError(f"time={time:g} must be from {times[0]:g} to {times[-1]:g}, the last state's.")
         if exact and abs(times[step] - time) > tolerance:
             raise ValueError(
-                f"time={time:g} has no state; the nearest is of {times[step]:g}. Leave out exact=True, or keep "
+                f"time={time:g} has no state, the nearest is {times[step]:g}. Leave out exact=True or keep "
                 "more states (frames=)."
             )
         return step
@@ -191,7 +191,7 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     scene, states = read_scene(path, known), read_states(path)
     if not states:
         raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
-    # of a run that was killed, what is beyond the last state with a row, or the last row with a state, is lost
+    # a killed run loses what is beyond the last state with a row, or the last row with a state
     history = [row for row in read_history(path) if row["time"] <= states[-1].time]
     states = [state for state in states if state.time <= (history[-1]["time"] if history else 0.0)]
     ending = read_ending(path)

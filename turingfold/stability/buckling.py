@@ -2,9 +2,10 @@
 
 The fundamental path is followed by plain Newton steps on the true tangent K, which go on through a
 bifurcation where a minimiser would leave for the folded branch; the signs of the pivots count the negative
-eigenvalues. The lowest eigenvalue of K v = λ K₀ v, with K₀ the tangent of the undeformed body, is the share of its stiffness
-that is left: 1 at the start, almost linear in growth, 0 where the body buckles. Between the last stable state
-and the first unstable one the displacement is interpolated: nothing is solved with a singular tangent.
+eigenvalues. The lowest eigenvalue of K v = λ K₀ v, with K₀ the tangent of the undeformed body, is the share
+of its stiffness that is left: 1 at the start, almost linear in growth, 0 where the body buckles. Between the
+last stable state and the first unstable one the displacement is interpolated: nothing is solved with a
+singular tangent.
 """
 
 from __future__ import annotations
