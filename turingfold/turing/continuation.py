@@ -15,10 +15,11 @@ import numpy as np
 from ..arrays import Array
 from ..checks import positive
 from ..errors import NotConvergedError
+from .eigenvalues import rightmost_eigenvalues
 from .modes import Mode
 from .reaction_diffusion import ReactionDiffusion
 from .stability import Conditions
-from .steady import leading_eigenvalue, relative_residual
+from .steady import relative_residual
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +99,7 @@ def follow(
     for _ in range(points):
         onward = branch.tangent(state, ratio, direction)
         fold, direction = onward.ratio * direction.ratio < 0, onward
-        leading = leading_eigenvalue(branch.at(ratio), state)
+        leading = complex(rightmost_eigenvalues(branch.at(ratio), state)[0])
         yield BranchPoint(ratio, state, branch.amplitude(state), leading, fold)
         while True:
             try:

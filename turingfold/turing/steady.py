@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigs
 
-from ..arrays import Array
+from ..arrays import Array, Complexes
 from ..errors import NotConvergedError
+from .eigenvalues import eigenvalue_near, eigenvalue_right, rightmost_eigenvalues
 from .integrators.rosenbrock import march
 from .reaction_diffusion import ReactionDiffusion
 
@@ -20,20 +20,25 @@ class SteadyState:
 
     state: u and v at the nodes, shape (2, n_nodes).
     residual: largest entry of M f − D K w after Newton's method, relative to the sum of its parts' sizes.
-    leading: eigenvalue of the linearised system with the largest real part found.
+    eigenvalues: of the linearised system, by descending real part, the rightmost ones.
     time, steps: of the run that led there.  newton_iterations: to polish it.
     """
 
     state: Array
     residual: float
-    leading: complex
+    eigenvalues: Complexes
     time: float
     steps: int
     newton_iterations: int
 
     @property
+    def leading(self) -> complex:
+        """The eigenvalue with the largest real part."""
+        return complex(self.eigenvalues[0])
+
+    @property
     def stable(self) -> bool:
-        """Whether every perturbation found decays."""
+        """Whether every perturbation decays."""
         return self.leading.real < 0
 
 
@@ -76,31 +81,6 @@ def newton(
     )
 
 
-def leading_eigenvalue(
-    system: ReactionDiffusion, state: Array, *, count: int = 4, near: float | None = None
-) -> complex:
-    """Return the eigenvalue with the largest real part among the `count` nearest to a point right of zero.
-
-    Eigenvalues λ of J(w) z = λ M z; the point is 0.03 times the size of the reaction's own rates.
-    """
-    slopes = system.kinetics.derivatives(*state)
-    point = 0.03 * float(max(np.abs(slopes[0]).max(), np.abs(slopes[3]).max())) if near is None else near
-    solve = system.solver(state, point)
-    n = 2 * system.space.size
-
-    def apply(x: Array) -> Array:
-        return solve(system.massed(x.reshape(2, -1))).ravel()
-
-    inverse = LinearOperator((n, n), matvec=apply, dtype=float)
-    start = 1 + np.cos(np.arange(n))
-    # (point·M − J)⁻¹ M has the eigenvalues 1 / (point − λ)
-    # a small basis, as few of its vectors are wanted: ARPACK's usual one takes a third more solves
-    basis = min(max(3 * count, count + 2), n)
-    values = eigs(inverse, count, which="LM", ncv=basis, v0=start, return_eigenvectors=False, tol=1e-6)
-    found = point - 1 / values
-    return complex(found[np.argmax(found.real)])
-
-
 def speed(system: ReactionDiffusion, state: Array) -> float:
     """Return the largest rate of change over the pattern's height and the fastest reaction rate."""
     slopes = system.kinetics.derivatives(*state)
@@ -134,33 +114,52 @@ def settle(
                 state, residual, iterations = newton(system, moment.state)
             except NotConvergedError:
                 continue
-            leading = leading_eigenvalue(system, state)
+            eigenvalues = rightmost_eigenvalues(system, state, neutral)
+            leading = complex(eigenvalues[0])
             if leading.real < neutral:
-                return SteadyState(state, residual, leading, moment.time, moment.steps, iterations)
+                return SteadyState(state, residual, eigenvalues, moment.time, moment.steps, iterations)
         if moment.steps >= steps or slow < 1e-12:
             break
     time = moment.time if moment else 0.0
     raise NotConvergedError(
-        f"no stable steady state was reached by time {time:.6g} (leading eigenvalue of the last one tried: "
-        f"{leading:.3g}); run longer, start from another state, or expect a pattern that never rests.",
+        f"no stable steady state was reached by time {time:.6g} {_reason(leading)}; run longer, start from "
+        "another state, or expect a pattern that never rests.",
         time=time,
     )
+
+
+def _reason(leading: complex) -> str:
+    if not leading.real >= 0:
+        return "(none was found)"
+    if leading.imag == 0:
+        return f"(the one found is left at the rate {leading.real:.3g})"
+    period = 2 * math.pi / abs(leading.imag)
+    return f"(the one found oscillates with a period of {period:.3g}, growing at the rate {leading.real:.3g})"
 
 
 def refine(
     system: ReactionDiffusion, coarse: SteadyState, state: Array, *, neutral: float = 0.0
 ) -> SteadyState:
-    """Polish a coarser steady state, interpolated to `state`, on the finer system and certify it there.
+    """Polish a steady state of linear elements, interpolated to `state`, on quadratic ones, and certify it.
 
+    The linear elements show that no unstable eigenvalue is missing. The rightmost real eigenvalue and, where
+    one is near instability, the rightmost complex pair are computed anew on the quadratic elements.
     neutral: rate up to which a perturbation may grow.
     Raises NotConvergedError if Newton's method fails or the steady state is unstable.
     """
     state, residual, iterations = newton(system, state)
-    leading = leading_eigenvalue(system, state)
+    found = [eigenvalue_right(system, state)]
+    pairs = coarse.eigenvalues[coarse.eigenvalues.imag > 0]
+    if len(pairs):
+        found.append(eigenvalue_near(system, state, complex(pairs[0])))
+    leading = max(found, key=lambda value: value.real)
     if leading.real >= neutral:
         raise NotConvergedError(
             f"the steady state is unstable on the quadratic elements (leading eigenvalue {leading:.3g}) "
             "though stable on the linear ones; use smaller elements.",
             residual=residual,
         )
-    return SteadyState(state, residual, leading, coarse.time, coarse.steps, iterations)
+    eigenvalues = np.array(sorted(found, key=lambda value: -value.real))
+    return replace(
+        coarse, state=state, residual=residual, eigenvalues=eigenvalues, newton_iterations=iterations
+    )
