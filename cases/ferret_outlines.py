@@ -33,7 +33,7 @@ def section(side, stage):
             f"there is no folder {FOLDER}; set FERRET_OUTLINES to one with coronal_q25_left_stage1.csv etc., "
             "sections at a quarter of the length of the surfaces published with Choi et al. 2025."
         )
-    return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv")
+    return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv", unit=1.0).single()
 
 
 def scenes(quick=False):

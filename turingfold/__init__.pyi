@@ -51,8 +51,11 @@ from .morphometry.walls import wall_contact_length as wall_contact_length
 from .outlines.build import Fine as Fine
 from .outlines.build import outline as outline
 from .outlines.mask import mask_outline as mask_outline
+from .outlines.mask import sections as sections
+from .outlines.read import Contours as Contours
 from .outlines.read import read_outline as read_outline
 from .outlines.remesh import retraced as retraced
+from .outlines.section import Section as Section
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError
 from .results.result import Result as Result

@@ -1,110 +1,353 @@
-"""Outlines of masks in NIfTI images: place, size and orientation, and files that cannot be used."""
+"""Sections of images: exact areas and places however stored, tissues, and images that cannot be used."""
+
+import os
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image as Pictures
 
-from turingfold import mask_outline, outline
-from turingfold.geometry.polygon import area
+from turingfold import mask_outline, sections
+from turingfold.geometry.polygon import area, inside
 
 nibabel = pytest.importorskip("nibabel")
 
-EDGES = (0.05, 0.3, 0.08)  # mm
-HALF = (4.0, 3.0)  # half axes of the ellipse in a coronal section, mm
+BESIDE = Path(__file__).parents[3] / "shared" / "reference" / "sections"
+REAL = Path(os.environ.get("BRAIN_SECTIONS", BESIDE))
+EDGES = np.array([0.05, 0.3, 0.08])  # mm
+HALF = np.array([4.0, 3.0])  # half axes of the ellipsoid in a coronal section, mm
+START = np.array([-3.0, 11.0, 20.0])  # of its centre, mm
+NOTCH = 0.6 * 0.45  # mm²
+COUNT = (200, 9, 100)
+PLACED = np.diag([*EDGES, 1.0])
+PLACED[:3, 3] = START - (np.array(COUNT) - 1) / 2 * EDGES
 
 
-def brain(signs=(1, 1, 1)):
-    """Return an ellipsoid, thickest in coronal section 4, with a notch on the right, as voxels in RAS."""
-    n = (200, 9, 100)
-    x, y, z = ((np.arange(k) - (k - 1) / 2) * edge for k, edge in zip(n, EDGES, strict=True))
-    inside = (x[:, None, None] / HALF[0]) ** 2 + y[:, None] ** 2 / 9 + (z / HALF[1]) ** 2 <= 1
-    inside &= ~((x[:, None, None] > 3.5) & (y[:, None] > -99) & (np.abs(z) < 0.3))
-    flips = tuple(slice(None, None, sign) for sign in signs)
-    return inside[flips].astype(np.uint8)
+def brain():
+    """Return an ellipsoid, thickest in coronal plane 4, with a notch on the right, as voxels in RAS."""
+    x, y, z = ((np.arange(k) - (k - 1) / 2) * edge for k, edge in zip(COUNT, EDGES, strict=True))
+    found = (x[:, None, None] / HALF[0]) ** 2 + y[:, None] ** 2 / 9 + (z / HALF[1]) ** 2 <= 1
+    found &= ~((x[:, None, None] > 3.5) & (y[:, None] > -99) & (np.abs(z) < 0.3))
+    return found.astype(np.uint8)
 
 
-def written(path, voxels, signs=(1, 1, 1), units="mm"):
-    image = nibabel.Nifti1Image(voxels, np.diag([*(np.array(EDGES) * signs), 1.0]))
-    image.header.set_xyzt_units(units)
-    nibabel.save(image, path)
+def image(voxels, affine=PLACED, units="mm"):
+    found = nibabel.Nifti1Image(voxels, affine)
+    found.header.set_xyzt_units(units)
+    return found
+
+
+def written(path, voxels=None, **options):
+    nibabel.save(image(brain() if voxels is None else voxels, **options), path)
     return path
 
 
+def square(edge, width=80.0):
+    """Return x, z of the voxels of a square coronal plane round the origin, and its affine, in mm."""
+    at = np.arange(-width / 2, width / 2, edge) + 0.3 * edge
+    affine = np.diag([edge, 1.0, edge, 1.0])
+    affine[[0, 2], 3] = at[0]
+    return at[:, None, None], at, affine
+
+
+def disc(radius, edge, width=80.0):
+    """Return a disc in a coronal plane, and its affine, in mm."""
+    x, z, affine = square(edge, width)
+    return np.hypot(x, z) <= radius, affine
+
+
+def enclosed(loops):
+    """Return the area that an odd number of the loops encloses; they do not cross."""
+    around = [sum(inside(one[:, :1], other)[0] for other in loops if other is not one) for one in loops]
+    return sum((-1) ** n * abs(area(loop)) for n, loop in zip(around, loops, strict=True))
+
+
+# curves
+
+
+@pytest.mark.parametrize("value", [1, 42, 255])
+@pytest.mark.parametrize("radius", [10.0, 30.0])
+def test_a_disc_has_its_area_whatever_its_value(value, radius):
+    voxels, affine = disc(radius, 0.25)
+    points = mask_outline(image((value * voxels).astype(np.uint8), affine))
+    assert abs(area(points)) == pytest.approx(np.pi * radius**2 * 1e-6, rel=5e-3)
+    assert abs(area(points)) == pytest.approx(voxels.sum() * 0.25**2 * 1e-6, rel=1e-4)  # of the voxels
+    assert np.hypot(*points) == pytest.approx(1e-3 * radius, abs=0.25e-3)
+
+
+def test_a_map_of_probability_is_followed_between_voxels():
+    """Shares that fall linearly across an ellipse's edge give the ellipse to second order of the voxel."""
+    a, b = 30.0, 20.0
+    errors = []
+    for edge in (2.0, 1.0):
+        x, z, affine = square(edge)
+        share = np.clip(0.5 + 2 * (1 - np.hypot(x / a, z / b)), 0, 1)
+        points = mask_outline(image(share.astype(np.float32), affine))
+        errors.append(np.abs(np.hypot(points[0] / a, points[1] / b) * 1e3 - 1).max())
+    assert errors[0] < 2e-3
+    assert errors[0] / errors[1] > 3
+
+
+def test_the_outline_encloses_most_and_not_the_longest_curve():
+    x, z, affine = square(0.5, 100.0)
+    r, t = np.hypot(x, z), np.arctan2(z, x)
+    mask = image(((r < 40) & (r > 30 + 6 * np.cos(16 * t))).astype(np.uint8), affine)
+    assert np.hypot(*mask_outline(mask)).max() == pytest.approx(0.040, abs=0.5e-3)
+    (section,) = sections(mask)
+    assert len(section.pial) == 2
+    assert enclosed(section.pial) == pytest.approx(np.pi * (40**2 - 30**2 - 6**2 / 2) * 1e-6, rel=5e-3)
+
+
+def test_all_parts_are_returned_and_one_not_without_a_word():
+    voxels = np.zeros((40, 3, 40), dtype=np.uint8)
+    voxels[2:10, 1, 2:10] = 1
+    voxels[20:38, 1, 20:38] = 1
+    mask = image(voxels, np.eye(4))
+    (section,) = sections(mask)
+    assert [abs(area(loop)) for loop in section.pial] == pytest.approx([18**2 * 1e-6, 8**2 * 1e-6], rel=0.01)
+    with pytest.warns(UserWarning, match=r"parts of 63\.5 mm² lie outside the outline.*323"):
+        points = mask_outline(mask)
+    assert points.min() > 19e-3
+
+
+def test_a_mask_that_touches_the_edge_of_the_image_is_closed():
+    points = mask_outline(image(np.repeat(np.uint8([0, 1, 1]), 100).reshape(3, 10, 10).swapaxes(0, 1)))
+    assert np.ptp(points, axis=1) == pytest.approx(
+        1e-2 * EDGES[::2], rel=1e-6
+    )  # NIfTI keeps them in single precision
+
+
+# places
+
+
+def test_places_are_those_of_the_affine():
+    points = mask_outline(image(brain()))
+    assert (points.min(1) + points.max(1))[1] / 2 == pytest.approx(1e-3 * START[2])
+    assert points[0].min() == pytest.approx(1e-3 * (START[0] - HALF[0]), abs=1e-3 * EDGES[0])
+    assert abs(area(points)) == pytest.approx((np.pi * HALF.prod() - NOTCH) * 1e-6, rel=0.01)
+    middle = points[0, np.abs(points[1] - 1e-3 * START[2]) < 0.2e-3]
+    assert middle.max() < points[0].max() - 0.3e-3  # the notch is on the right
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0), (2, 1, 0)])
 @pytest.mark.parametrize("signs", [(1, 1, 1), (-1, 1, 1), (1, -1, -1)])
-def test_the_outline_is_that_of_the_brain_however_it_is_stored(tmp_path, signs):
-    points = mask_outline(written(tmp_path / "brain.nii.gz", brain(signs), signs))
-    expected = np.pi * HALF[0] * HALF[1] - 0.6 * 0.45  # without the notch, which is 0.45 mm deep
-    assert abs(area(points)) == pytest.approx(expected * 1e-6, rel=0.01)
-    assert np.ptp(points, axis=1) == pytest.approx(2e-3 * np.array(HALF), rel=0.02)
-    middle = points.mean(axis=1)
-    notch = points[:, np.abs(points[1] - np.mean([points[1].min(), points[1].max()])) < 2e-4]
-    right = notch[0, notch[0] > middle[0]]
-    assert right.max() < points[0].max() - 0.3e-3  # it is on the right
+@pytest.mark.parametrize("plane", ["coronal", "axial", "sagittal"])
+def test_an_image_stored_otherwise_has_the_same_sections(order, signs, plane):
+    voxels, affine = brain(), PLACED.copy()
+    for axis, sign in enumerate(signs):
+        if sign < 0:
+            voxels = np.flip(voxels, axis)
+            affine[:, 3] += affine[:, axis] * (voxels.shape[axis] - 1)
+            affine[:, axis] *= -1
+    stored = image(np.ascontiguousarray(voxels.transpose(order)), affine[:, [*order, 3]])
+    stored.header.set_zooms((1.0, 1.0, 1.0))  # pixdim, which says otherwise
+    assert stored.affine == pytest.approx(affine[:, [*order, 3]])
+    expected, found = sections(image(brain()), plane=plane)[0], sections(stored, plane=plane)[0]
+    assert found.position == pytest.approx(expected.position, abs=1e-9)
+    assert found.pial[0] == pytest.approx(expected.pial[0], abs=1e-9)
+
+
+def test_an_oblique_image_has_sections_of_true_size():
+    """The voxels' axes are turned about the superior axis and sheared by 0.2 in the coronal plane."""
+    voxels, _ = disc(10.0, 0.25, 40.0)
+    turn = np.array([[np.cos(0.3), -np.sin(0.3), 0], [np.sin(0.3), np.cos(0.3), 0], [0, 0, 1]])
+    affine = np.eye(4)
+    affine[:3, :3] = turn @ np.array([[0.25, 0, 0.05], [0, 1, 0], [0, 0, 0.25]])
+    points = mask_outline(image(voxels.astype(np.uint8), affine))
+    at = points - (points.max(1) + points.min(1))[:, None] / 2
+    sheared = np.hypot(at[0] - 0.2 * at[1], at[1])
+    assert sheared == pytest.approx(10e-3, abs=0.3e-3)
 
 
 @pytest.mark.parametrize(("units", "metres"), [("meter", 1.0), ("micron", 1e-6), ("unknown", 1e-3)])
 def test_lengths_are_in_the_units_of_the_file(tmp_path, units, metres):
-    points = mask_outline(written(tmp_path / "brain.nii", brain(), units=units))
+    points = mask_outline(written(tmp_path / "brain.nii", units=units))
     assert np.ptp(points[0]) == pytest.approx(8.0 * metres, rel=0.02)
 
 
+def test_millimetres_taken_for_metres_are_pointed_out(tmp_path):
+    voxels, affine = disc(30.0, 1.0)
+    file = written(tmp_path / "brain.nii", voxels.astype(np.uint8), affine=affine, units="meter")
+    with pytest.warns(UserWarning, match=r"brain\.nii.* 60 by 60 large, read as metres; if they are mm"):
+        mask_outline(file)
+
+
 @pytest.mark.parametrize(
-    ("section", "index", "size", "edges"),
+    ("plane", "index", "size", "edges"),
     [
-        ("axial", 30, (8.0 * (1 - 0.52**2) ** 0.5, 2.7), (0.05, 0.3)),  # 1.56 mm below it; nine of 0.3 mm
+        ("axial", 30, (8.0 * (1 - 0.52**2) ** 0.5, 2.7), (0.05, 0.3)),  # 1.56 mm below; nine of 0.3 mm
         ("sagittal", 100, (2.7, 6.0), (0.3, 0.08)),  # the middle
         ("coronal", 0, (8.0 * 0.84**0.5, 6.0 * 0.84**0.5), (0.05, 0.08)),  # 1.2 mm behind the middle
     ],
 )
-def test_sections_across_each_axis(tmp_path, section, index, size, edges):
-    points = mask_outline(written(tmp_path / "brain.nii", brain()), section=section, index=index)
-    assert np.all(np.abs(np.ptp(points, axis=1) - 1e-3 * np.array(size)) <= 1.001e-3 * np.array(edges))
+def test_planes_are_chosen_by_number_and_by_place(plane, index, size, edges):
+    across = ("sagittal", "coronal", "axial").index(plane)
+    at = PLACED[across, 3] + index * EDGES[across]
+    ways = {"index": index}, {"at_mm": at}
+    one, other = (sections(image(brain()), plane=plane, **way)[0] for way in ways)
+    assert np.all(np.abs(np.ptp(one.pial[0], axis=1) - 1e-3 * np.array(size)) <= 1.001e-3 * np.array(edges))
+    assert np.array_equal(one.pial[0], other.pial[0])
+    assert one.position == other.position == pytest.approx(1e-3 * at)
+    near = sections(image(brain()), plane=plane, at_mm=(at + 0.4 * EDGES[across], at + 0.6 * EDGES[across]))
+    assert [s.position for s in near] == pytest.approx([1e-3 * at, 1e-3 * (at + EDGES[across])])
 
 
-def test_a_smoothed_mask_becomes_a_body(tmp_path):
-    points = mask_outline(written(tmp_path / "brain.nii", brain()))
-    body = outline(points, thickness=0.4e-3, size=0.2e-3, smooth=1.0e-3)
-    inside = body.quadrature.weights.sum()
-    assert inside == pytest.approx(abs(area(points)), rel=0.01)
+# tissues
 
 
-def test_a_mask_that_touches_the_edge_of_the_image_is_closed(tmp_path):
-    points = mask_outline(written(tmp_path / "full.nii", np.ones((10, 3, 10), dtype=np.uint8)))
-    edges = [10 * 0.05e-3, 10 * 0.08e-3]  # NIfTI keeps them in single precision
-    assert np.ptp(points, axis=1) == pytest.approx(edges, rel=1e-6)
+def shells():
+    """Return labels of a disc: ventricle (4) to 6 mm, white (2, 41) to 20 mm, gray (3, 42) to 30 mm."""
+    x, z, affine = square(0.5)
+    r, right = np.hypot(x, z), x > 0
+    labels = np.where(right, 41, 2) * (r < 20) + np.where(right, 42, 3) * ((r >= 20) & (r < 30))
+    return np.where(r < 6, 4, labels).astype(np.int16), affine
+
+
+def check_shells(section):
+    for loops, radius in ((section.pial, 30), (section.white, 20), (section.holes, 6)):
+        assert [abs(area(loop)) for loop in loops] == pytest.approx([np.pi * radius**2 * 1e-6], rel=0.01)
+
+
+def test_labels_make_pial_white_and_hole():
+    voxels, affine = shells()
+    check_shells(sections(image(voxels, affine), gray=(3, 42), white=(2, 41), hole=4)[0])
+    check_shells(sections((voxels, affine), gray=(3, 42), white=(2, 41), hole=4)[0])
+    floats = image(voxels.astype(np.float64), affine)
+    check_shells(sections(floats, gray=[3, 42], white=[2, 41], hole=[4])[0])
+
+
+def test_maps_of_probability_make_pial_white_and_hole():
+    voxels, affine = shells()
+    maps = [np.isin(voxels, labels) * 0.98 + 0.005 for labels in ((3, 42), (2, 41), (4,))]
+    check_shells(sections(image(np.stack(maps, axis=3), affine), gray=0, white=1, hole=2)[0])
+    each = dict(zip(("gray", "white", "hole"), [image(m, affine) for m in maps], strict=True))
+    check_shells(sections(each)[0])
+
+
+def test_pictures_have_rows_from_top_to_bottom(tmp_path):
+    voxels, _ = shells()
+    voxels[100:, 0, 140:] = 0
+    pixels = np.uint8(voxels[:, 0, ::-1].T)
+    for name in ("a.png", "a.tif"):
+        Pictures.fromarray(pixels).save(tmp_path / name)
+        (section,) = sections(tmp_path / name, gray=(3, 42), white=(2, 41), hole=4, pixel_mm=0.5)
+        check_shells(section)
+        assert section.position is None
+    black_and_white = Pictures.fromarray(np.where(pixels, 255, 0).astype(np.uint8)).convert("RGB")
+    black_and_white.save(tmp_path / "mask.png")
+    (section,) = sections(tmp_path / "mask.png", pixel_mm=0.5)
+    assert abs(area(section.pial[0])) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="the folder BRAIN_SECTIONS of real sections is not here")
+def test_labels_of_a_real_brain_agree_with_the_surfaces_they_were_made_from():
+    shapely = pytest.importorskip("shapely")
+    from turingfold import read_outline
+
+    file = REAL / "s1_labels_coronal_+50_1mm.nii.gz"
+    (section,) = sections(file, at_mm=50, gray=1, white=2)
+    left = shapely.box(-1, -1, -0.004, 1)  # the surfaces are those of the left hemisphere, up to the fissure
+
+    def region(loops):
+        found = shapely.Polygon()
+        for loop in loops:
+            found = found.symmetric_difference(shapely.make_valid(shapely.Polygon(loop.T)))
+        return found.intersection(left)
+
+    for name, loops in (("pial", section.pial), ("white", section.white)):
+        files = sorted(REAL.glob(f"s1_coronal_+50_lh_{name}_*.csv"))
+        exact = region([read_outline(file, unit="mm").single() for file in files])
+        found = region(loops)
+        assert found.area == pytest.approx(exact.area, rel=0.02)
+        assert found.symmetric_difference(exact).area < 0.15 * exact.area
+
+
+# what cannot be used
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_sections_with_values_that_are_not_finite_are_refused(tmp_path, value):
+def test_planes_with_values_that_are_not_finite_are_refused(value):
     voxels = brain().astype(np.float32)
     voxels[20, 4, 50] = value  # on the outline, which would be left open there
-    file = written(tmp_path / "brain.nii", voxels)
-    with pytest.raises(ValueError, match=r"1 voxels of coronal section 4 are not finite"):
-        mask_outline(file)
-    assert mask_outline(file, index=3).shape[1] > 100  # the others can be used
+    with pytest.raises(ValueError, match=r"1 voxels of coronal plane 4 are not finite"):
+        mask_outline(image(voxels), index=4)
+    assert mask_outline(image(voxels), index=3).shape[1] > 100  # the others can be used
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"section": "frontal"}, "section='frontal'"),
-        ({"index": 9}, "sections 0 to 8"),
-        ({"index": -1}, "sections 0 to 8"),
-        ({"index": 4.5}, r"index=4\.5 must be a whole number.*sections 0 to 8"),
+        ({"plane": "frontal"}, "plane='frontal'"),
+        ({"index": 9}, "planes 0 to 8"),
+        ({"index": -1}, "planes 0 to 8"),
+        ({"index": 4.5}, r"index=4\.5 must be a whole number.*planes 0 to 8"),
         ({"index": True}, "index=True must be a whole number"),
-        ({"level": 1.5}, "values from 0 to 1"),
+        ({"at_mm": 0.011}, r"at_mm=0\.011: .* coronal planes 0 to 8, at 9\.8 to 12\.2 mm"),
+        ({"at_mm": 11, "index": 4}, "give one of them"),
+        ({"level": 1.5}, r"level=1\.5: .*values from 0 to 1"),
         ({"level": float("nan")}, "level"),
+        ({"gray": 7}, r"gray=7: the image holds the labels 0, 1"),
+        ({"white": 1}, "gray is missing beside white"),
+        ({"gray": 1, "white": 1}, "share a label"),
+        ({"gray": 1, "level": 0.5}, "labels are inside or outside"),
     ],
 )
-def test_wrong_options_are_named(tmp_path, options, message):
+def test_wrong_options_are_named(options, message):
     with pytest.raises(ValueError, match=message):
-        mask_outline(written(tmp_path / "brain.nii", brain()), **options)
+        sections(image(brain()), **options)
+
+
+def test_images_of_several_values_need_a_name_for_them():
+    voxels, affine = shells()
+    with pytest.raises(ValueError, match="the image holds the labels 0, 2, 3, 4, 41, 42; name those of gray"):
+        sections(image(voxels, affine))
+    above = sections(image(voxels, affine), level=1)[0]
+    assert abs(area(above.pial[0])) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
+    with pytest.raises(ValueError, match="neither labels nor probabilities; give a level"):
+        sections(image(voxels * 0.37, affine))
+
+
+def test_headers_that_are_wrong_are_refused_in_words(tmp_path):
+    odd = image(brain())
+    odd.header["xyzt_units"] = 5
+    with pytest.raises(ValueError, match="code 5 for lengths"):
+        mask_outline(odd)
+    for entry in (0.0, np.nan):
+        affine = np.diag([1.0, entry, 1.0, 1.0])
+        flat = image(brain())
+        flat.header.set_sform(affine, code=1)
+        nibabel.Nifti1Image(flat.dataobj, None, flat.header).to_filename(tmp_path / "flat.nii")
+        with pytest.raises(ValueError, match=r"affine does not place the voxels .* sform"):
+            mask_outline(tmp_path / "flat.nii")
+    colours = np.zeros((4, 4, 4), dtype=[("R", "u1"), ("G", "u1"), ("B", "u1")])
+    with pytest.raises(ValueError, match="holds colours"):
+        mask_outline(written(tmp_path / "rgb.nii", colours))
+    with pytest.raises(ValueError, match=r"shape \(4, 4, 4, 2\); say which map"):
+        mask_outline(written(tmp_path / "series.nii", np.ones((4, 4, 4, 2), dtype=np.uint8)))
+    with pytest.raises(ValueError, match="other voxels; bring them to one grid"):
+        sections({"gray": image(brain()), "white": image(brain()[:-1])})
+
+
+def test_pictures_that_cannot_be_used_are_refused(tmp_path):
+    Pictures.new("RGB", (9, 9), (200, 10, 10)).save(tmp_path / "red.png")
+    with pytest.raises(ValueError, match=r"red\.png holds colours"):
+        sections(tmp_path / "red.png", pixel_mm=1.0)
+    with pytest.raises(ValueError, match=r"pixel_mm: red\.png has no size|holds colours"):
+        sections(tmp_path / "red.png")
+    with pytest.raises(ValueError, match="pixel_mm: the array has no size"):
+        sections(np.eye(9))
+    with pytest.raises(ValueError, match="pictures have no position"):
+        sections(np.eye(9), pixel_mm=1.0, at_mm=3)
+    (tmp_path / "a.png").write_bytes(b"no picture")
+    with pytest.raises(ValueError, match=r"a\.png is no picture"):
+        sections(tmp_path / "a.png", pixel_mm=1.0)
 
 
 @pytest.mark.parametrize("kept", [40, 0.5, 0.9])
 @pytest.mark.parametrize("name", ["brain.nii", "brain.nii.gz"])
 def test_files_cut_short_are_refused(tmp_path, name, kept):
-    file = written(tmp_path / name, brain())
+    file = written(tmp_path / name)
     content = file.read_bytes()
     file.write_bytes(content[: kept if kept > 1 else int(kept * len(content))])
     with pytest.raises(ValueError, match=name.replace(".", r"\.")):
@@ -117,11 +360,10 @@ def test_files_that_are_no_mask_are_refused(tmp_path, monkeypatch):
     (tmp_path / "text.nii").write_text("no image")
     with pytest.raises(ValueError, match=r"text\.nii is no image"):
         mask_outline(tmp_path / "text.nii")
-    with pytest.raises(ValueError, match=r"shape \(4, 4, 4, 2\)"):
-        mask_outline(written(tmp_path / "series.nii", np.ones((4, 4, 4, 2), dtype=np.uint8)))
     for path in (None, 3):
-        with pytest.raises(ValueError, match=f"path={path} must be the path of an image"):
+        with pytest.raises(ValueError, match=f"image={path} must be a path, a nibabel image, or a pair"):
             mask_outline(path)
+    file = written(tmp_path / "brain.nii")
     monkeypatch.setitem(sys.modules, "nibabel", None)
     with pytest.raises(ValueError, match="turingfold\\[images\\]"):
-        mask_outline(written(tmp_path / "brain.nii", brain()))
+        mask_outline(file)

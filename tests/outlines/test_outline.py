@@ -1,10 +1,10 @@
-"""Outlines: reading, repairing, offsetting, meshing."""
+"""Outlines: repairing, offsetting, meshing."""
 
 import numpy as np
 import pytest
 
 from turingfold.geometry.polygon import inside
-from turingfold.outlines import Fine, outline, read_outline
+from turingfold.outlines import Fine, outline
 from turingfold.outlines.fill import angles
 from turingfold.outlines.line import line
 from turingfold.outlines.repair import closed_outline
@@ -291,84 +291,6 @@ def test_a_closed_outline_is_counter_clockwise_without_repeats():
     curve = closed_outline(points)
     assert curve.shape == (2, 12)
     assert 0.5 * np.sum(curve[0] * np.roll(curve[1], -1) - curve[1] * np.roll(curve[0], -1)) > 0
-
-
-# files
-
-
-@pytest.mark.parametrize("text", ["x,y\n1,2\n3,4e0\n", "1 2\n3\t4\n", "# note\n1;2\n\n3; 4\n"])
-def test_columns_are_read_with_any_separator(tmp_path, text):
-    file = tmp_path / "points.csv"
-    file.write_text(text)
-    assert read_outline(file, scale=2.0).tolist() == [[2, 6], [4, 8]]
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "message"),
-    [
-        ("a.csv", "x,y\n1,2\n3,four\n", "line 3: '3,four'"),
-        ("a.csv", "x,y\n1,2,3\n", "line 2"),
-        ("a.csv", "x,y\n", "no points"),
-        ("a.csv", "x,y\n1,2\nnan,3\n", r"a\.csv, line 3: 'nan,3' is not finite; leave that point out"),
-        ("a.csv", "1,2\n1,-inf\n", "line 2: '1,-inf' is not finite"),
-        ("a.svg", "<svg><circle r='1'/><rect/></svg>", "0 outlines.*Only path, polygon and polyline are"),
-        ("a.png", "", "'.png'"),
-        ("a.svg", "<svg><path d='M 0 0 L 1", "not well-formed"),
-        ("a.svg", "<svg/>", "0 outlines"),
-        ("a.svg", "<svg><path id='p' d='M0 0'/><path id='q' d='M0 0'/></svg>", r"2 outlines \(p, q\)"),
-        ("a.svg", "<svg><path d='M0 0A1 1 0 0 0 1 1'/></svg>", "'A' is not read"),
-        ("a.svg", "<svg><path d='M0 0L1 1 2'/></svg>", "has 3 numbers"),
-        ("a.svg", "<svg><path d=''/></svg>", "empty"),
-        ("a.svg", "<svg><path d='L0 1 2 3'/></svg>", "begins with 'L'"),
-        ("a.svg", "<svg><polygon points='1 2 3'/></svg>", "pairs"),
-        ("a.svg", "<svg transform='scale(2)'><path d='M0 0L1 1'/></svg>", "transform"),
-    ],
-)
-def test_unreadable_files_are_refused_by_place(tmp_path, name, text, message):
-    file = tmp_path / name
-    file.write_text(text)
-    with pytest.raises(ValueError, match=message):
-        read_outline(file)
-
-
-def test_what_is_no_text_is_refused(tmp_path):
-    (tmp_path / "a.csv").write_bytes(b"1,2\n\xff\xfe\x00")
-    with pytest.raises(ValueError, match=r"a\.csv is not text in UTF-8 \(invalid start byte at byte 4\)"):
-        read_outline(tmp_path / "a.csv")
-
-
-@pytest.mark.parametrize("path", [None, 3])
-def test_what_is_no_path_is_refused(path):
-    with pytest.raises(ValueError, match=f"path={path} must be the path of a CSV or SVG file"):
-        read_outline(path)
-
-
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(ValueError, match=r"no file .*brain\.csv"):
-        read_outline(tmp_path / "brain.csv")
-
-
-def test_a_bezier_circle_is_a_circle(tmp_path):
-    k = 4 * (np.sqrt(2) - 1) / 3  # the usual handle length; its radius is at most 2.8e-4 too large
-    file = tmp_path / "circle.svg"
-    file.write_text(
-        f'<svg xmlns="http://www.w3.org/2000/svg"><path id="brain" d="M1,0 C1,{k} {k},1 0,1 S-1,{k} -1,0 '
-        f'c0,{-k} {1 - k},-1 1,-1 s1,{1 - k} 1,1 z"/><polygon id="other" points="0,0 1,0 1,1"/></svg>'
-    )
-    points = read_outline(file, name="brain")
-    assert np.hypot(*points) == pytest.approx(1.0, abs=3e-4)
-    assert np.hypot(*points).max() > 1.0002
-    assert points[:, 6][1] < 0  # y points upward
-
-
-def test_straight_and_quadratic_path_commands(tmp_path):
-    file = tmp_path / "box.svg"
-    file.write_text("<svg><path d='m1 1h2v2 H1 V1z M 0 0 L .5.5'/></svg>")
-    assert read_outline(file).tolist() == [[1, 3, 3, 1, 1], [-1, -1, -3, -3, -1]]
-    file.write_text("<svg><path d='M0 0 Q1 2 2 0 T4 0'/></svg>")
-    x, y = read_outline(file, samples=4)
-    assert x == pytest.approx(np.linspace(0, 4, 9))
-    assert -y == pytest.approx(np.array([0, 0.75, 1, 0.75, 0, -0.75, -1, -0.75, 0]))
 
 
 def test_a_single_disc_is_as_good_as_a_tuple_of_it():

@@ -83,7 +83,7 @@ def _points(path: Path) -> Array:
     if path.is_file():
         from ..outlines.read import read_outline
 
-        return read_outline(path)
+        return read_outline(path).single()
     from ..results.result import load
 
     return load(path).pial()

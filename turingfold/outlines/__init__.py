@@ -3,4 +3,7 @@
 from .build import Fine as Fine
 from .build import outline as outline
 from .mask import mask_outline as mask_outline
+from .mask import sections as sections
+from .read import Contours as Contours
 from .read import read_outline as read_outline
+from .section import Section as Section

@@ -1,92 +1,137 @@
-"""Outlines from segmented images of brains in the NIfTI format."""
+"""Sections of brains from images of labels or of probabilities."""
 
 from __future__ import annotations
 
-import zlib
-from importlib import import_module
-from pathlib import Path
+import os
+import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..checks import file_path, finite, one_of, whole
+from ..checks import finite, one_of, whole
+from ..geometry.polygon import area, inside
+from .image import PLANES, Image
+from .section import Section
+from .tissues import Labels, Tissue, tissues_of
 
-SECTIONS = {"sagittal": 0, "coronal": 1, "axial": 2}  # the axis across them, of right, anterior, superior
-UNITS = {"meter": 1.0, "mm": 1e-3, "micron": 1e-6, "unknown": 1e-3}
+
+def sections(
+    image: Any,
+    *,
+    plane: str = "coronal",
+    at_mm: float | Sequence[float] | None = None,
+    index: int | Sequence[int] | None = None,
+    gray: Labels = None,
+    white: Labels = None,
+    hole: Labels = None,
+    level: float | None = None,
+    pixel_mm: float | None = None,
+) -> tuple[Section, ...]:
+    """Return the sections of an image in given planes; in none, the section with the most tissue.
+
+    image: a NIfTI or MGH file, a nibabel image, a pair (array, affine in mm), or a picture (PNG, TIFF) or
+    array with two axes, rows from top to bottom; or a mapping of "gray", "white", "hole" to such images, each
+    the probability of that tissue. A NIfTI image that states no unit of length is in mm.
+    at_mm: along right, anterior or superior; the nearest plane of voxels is taken. An oblique image has
+    sections as oblique, named by the closest axes.
+    index: of the plane of voxels, counted from left, back or bottom; of the picture in a file of several.
+    gray, white, hole: labels of the tissues, one or several, such as gray=(3, 42); numbers of the maps where
+    the image has a fourth axis of tissues. All left out: the image is a mask, or the probability of tissue.
+    level: the probability at the surface, 0.5 if left out; without labels any value of the image.
+    pixel_mm: the edge of a pixel, for pictures and arrays with two axes.
+
+    The curves are those of marching squares, linear between the centres of voxels. A label counts as 1 inside
+    and 0 outside, so that its curve runs midway: it keeps the voxels' area, and their steps.
+    Raises ValueError for what cannot be read, and for planes and labels that the image does not have.
+    """
+    one_of("plane", plane, tuple(PLANES))
+    wanted = {"gray": gray, "white": white, "hole": hole}
+    found = tissues_of(image, plane, pixel_mm, wanted, None if level is None else finite("level", level))
+    return tuple(_section(found, plane, k) for k in _planes(found, plane, at_mm, index))
 
 
 def mask_outline(
-    path: str | Path, *, section: str = "coronal", index: int | None = None, level: float = 0.5
+    path: str | os.PathLike[str],
+    *,
+    section: str = "coronal",
+    index: int | None = None,
+    level: float | None = None,
 ) -> Array:
-    """Return the longest closed curve (2, n) at a level of a section of an image; m.
+    """Return the closed curve (2, n) that encloses the most in a section of a mask; m.
 
-    section: "coronal" (x to the right, y up), "sagittal" (x forward, y up) or "axial" (x to the right, y
-    forward), in the image's orientation turned to right, anterior, superior.
-    index: of the section, counted from left, back or bottom; left out: that with most voxels above `level`.
-    A section is a plane of voxels: an image that is oblique to the scanner has sections as oblique, named by
-    the closest axes.
-    The curve runs between voxel centres, so that of a 0-1 mask has steps: give `outline` a `smooth` of some
-    voxels. A file that states no unit of length is taken to be in mm.
-    Raises ValueError for files, sections and levels without such a curve, for a section with values that are
-    not finite, and where nibabel (the extra `images`) is missing.
+    The arguments are those of `sections`, of an image without labels. Warns of parts outside the curve.
     """
-    one_of("section", section, tuple(SECTIONS))
-    finite("level", level)
-    file = file_path("path", path, "an image")
-    image, voxels = _image(file)
-    across = SECTIONS[section]
-    voxels = np.moveaxis(voxels, across, 0)
-    known = f"the image has {section} sections 0 to {len(voxels) - 1}"
-    if index is None and not (voxels > level).any():
-        raise ValueError(
-            f"level={level:g}: no voxel is above it, {file} has values from {np.nanmin(voxels):g} to "
-            f"{np.nanmax(voxels):g}; choose a level between."
+    one_of("section", section, tuple(PLANES))
+    (found,) = sections(path, plane=section, index=index, level=level)
+    largest, *others = found.pial
+    apart = [abs(area(loop)) for loop in others if not inside(loop[:, :1], largest)[0]]
+    if apart:
+        warnings.warn(
+            f"{found.source}: parts of {', '.join(f'{1e6 * a:.3g}' for a in apart[:5])} mm² lie outside the "
+            f"outline, which encloses {1e6 * abs(area(largest)):.4g} mm²; sections(...) returns them all.",
+            stacklevel=2,
         )
-    if index is None:
-        index = int(np.argmax((voxels > level).sum((1, 2))))
-    if whole("index", index, at_least=0, remedy=known) >= len(voxels):
-        raise ValueError(f"index={index}: {known}.")
-    if unknown := int((~np.isfinite(voxels[index])).sum()):
+    return largest
+
+
+def _planes(tissues: dict[str, Tissue], plane: str, at_mm: Any, index: Any) -> list[int]:
+    """Return the numbers of the planes of voxels that are asked for."""
+    image = tissues["gray"].image
+    count = image.values.shape[PLANES[plane]]
+    known = f"{image.source} has {plane} planes 0 to {count - 1}"
+    if at_mm is not None and index is not None:
+        raise ValueError("at_mm and index both choose planes; give one of them.")
+    if index is not None:
+        given = list(index) if np.iterable(index) else [index]
+        numbers = [whole("index", k, at_least=0, remedy=known) for k in given]
+        if max(numbers) >= count:
+            raise ValueError(f"index={max(numbers)}: {known}.")
+        return numbers
+    if at_mm is None:
+        return [int(np.argmax([_tissue(tissues, plane, k).sum() for k in range(count)]))]
+    if not image.placed:
+        raise ValueError(f"at_mm={at_mm!r}: pictures have no position; choose one by index, {known}.")
+    start, step = image.position(plane, 0), image.position(plane, 1) - image.position(plane, 0)
+    numbers = []
+    for at in at_mm if np.iterable(at_mm) else [at_mm]:
+        number = int(np.floor((1e-3 * finite("at_mm", at) - start) / step + 0.5))
+        if not 0 <= number < count:
+            end = start + step * (count - 1)
+            raise ValueError(f"at_mm={at:g}: {known}, at {1e3 * start:g} to {1e3 * end:g} mm.")
+        numbers.append(number)
+    return numbers
+
+
+def _tissue(tissues: dict[str, Tissue], plane: str, index: int) -> Array:
+    """Return the share of all tissues, and holes in them, in a plane of voxels."""
+    return np.asarray(sum(tissue.at(plane, index) for tissue in tissues.values()))
+
+
+def _section(tissues: dict[str, Tissue], plane: str, index: int) -> Section:
+    """Return the curves in a plane of voxels; ValueError where it has no tissue."""
+    image = tissues["gray"].image
+    level = tissues["gray"].level
+    pial = _curves(image, plane, _tissue(tissues, plane, index), level, index)
+    if not pial:
         raise ValueError(
-            f"{file}: {unknown} voxels of {section} section {index} are not finite; give them the value "
-            "outside the brain, or choose another section."
+            f"{plane} plane {index} of {image.source} has no tissue above {level:g}; choose another."
         )
+    below = {name: tissue for name, tissue in tissues.items() if name != "gray"}
+    white = _curves(image, plane, _tissue(below, plane, index), level, index) if "white" in below else ()
+    holes = _curves(image, plane, below["hole"].at(plane, index), level, index) if "hole" in below else ()
+    position = image.position(plane, index) if image.placed else None
+    return Section(pial, white, holes, plane, position, f"{image.source}, {plane} plane {index}")
+
+
+def _curves(image: Image, plane: str, share: Array, level: float, index: int) -> tuple[Array, ...]:
+    """Return the closed curves (2, n) at a level of the share in a plane, by falling area; m."""
     from contourpy import contour_generator
 
-    outside = 0.0 if level > 0 else level - 1.0
-    plane = np.pad(voxels[index], 1, constant_values=outside)  # so that every curve closes
-    lines: Any = contour_generator(z=plane.T).lines(level)
-    if not lines:
-        raise ValueError(
-            f"level={level:g}: the {section} section {index} has values from {voxels[index].min():g} to "
-            f"{voxels[index].max():g}; choose a level between, or another section."
-        )
-    edges = np.delete(np.asarray(image.header.get_zooms()[:3], dtype=float), across)
-    unit = UNITS[image.header.get_xyzt_units()[0]]
-    curves = [unit * edges[:, None] * line.T for line in lines]
-    return np.asarray(max(curves, key=lambda curve: float(np.hypot(*np.diff(curve)).sum()))[:, :-1])
-
-
-def _image(file: Path) -> tuple[Any, Array]:
-    """Return a three-dimensional image turned to right, anterior, superior, and its voxels."""
-    try:
-        nibabel: Any = import_module("nibabel")
-    except ImportError as error:
-        raise ValueError(
-            f"{file.name} needs nibabel, which is missing: pip install 'turingfold[images]'."
-        ) from error
-    try:
-        image = nibabel.load(file)
-    except (nibabel.filebasedimages.ImageFileError, EOFError, zlib.error) as error:
-        raise ValueError(f"{file.name} is no image that nibabel reads: {error}.") from error
-    if not isinstance(image, nibabel.Nifti1Pair) or len(image.shape) != 3:
-        kind = type(image).__name__
-        raise ValueError(f"{file.name}: {kind} of shape {image.shape}; give a NIfTI image with three axes.")
-    turned = nibabel.as_closest_canonical(image)
-    try:
-        return turned, np.asarray(turned.dataobj, dtype=float)
-    except (EOFError, OSError, zlib.error, ValueError) as error:
-        raise ValueError(
-            f"{file.name} is damaged or cut short ({error}); copy or download it again."
-        ) from error
+    start, edges = image.frame(plane, index)
+    # the voxels outside the image are empty, so that every curve closes
+    closing = np.pad(share, 1, constant_values=0.0 if level > 0 else level - 1.0)
+    lines: Any = contour_generator(z=closing.T).lines(level)
+    curves = [start[:, None] + edges @ (line[:-1].T - 1.0) for line in lines]
+    return tuple(sorted((c for c in curves if c.shape[1] >= 3), key=lambda c: -abs(area(c))))

@@ -1,0 +1,132 @@
+"""The share of each tissue in the voxels of images: labels, masks, and maps of probability."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array, Integers
+from .image import PLANES, Image, read_image
+
+NAMES = ("gray", "white", "hole")
+SHOWN = 12  # labels listed in a message
+
+Labels = int | Sequence[int] | None
+
+
+@dataclass(frozen=True)
+class Tissue:
+    """A tissue of an image: `share` turns values of voxels into what part of each it fills, 0 to 1.
+
+    level: of the share on the tissue's surface.
+    """
+
+    image: Image
+    share: Callable[[Any], Any]
+    level: float = 0.5
+
+    def at(self, plane: str, index: int) -> Array:
+        """Return the shares in a plane of voxels; ValueError if values there are not finite."""
+        values = np.moveaxis(self.image.values, PLANES[plane], 0)[index]
+        if unknown := int((~np.isfinite(values)).sum()):
+            raise ValueError(
+                f"{self.image.source}: {unknown} voxels of {plane} plane {index} are not finite; give them "
+                "the value outside the brain, or choose another plane."
+            )
+        return np.asarray(self.share(values), dtype=float)
+
+
+def tissues_of(
+    image: Any, plane: str, pixel_mm: float | None, wanted: Mapping[str, Labels], level: float | None
+) -> dict[str, Tissue]:
+    """Return the tissues of an image, or of a mapping of images, by name; "gray" is always among them.
+
+    wanted: the labels of each tissue, or the numbers of its maps where the image has four axes.
+    Raises ValueError for labels that the image does not have, and for an image of which none are named though
+    it has several.
+    """
+    labels = {name: np.atleast_1d(label) for name, label in wanted.items() if label is not None}
+    if isinstance(image, Mapping):
+        if labels or level is not None:
+            raise ValueError("labels and level are for one image; a mapping holds a map of probability each.")
+        return _maps({name: read_image(item, plane, pixel_mm) for name, item in image.items()})
+    read = read_image(image, plane, pixel_mm)
+    if not labels:
+        return {"gray": _map(read, level)}
+    if "gray" not in labels:
+        raise ValueError(f"gray is missing beside {' and '.join(labels)}; give its labels, too.")
+    if level is not None:
+        raise ValueError(f"level={level:g}: labels are inside or outside; leave it out.")
+    several = read.values.ndim == 4
+    known = np.arange(read.values.shape[3]) if several else _whole_values(read)
+    for name, each in labels.items():
+        if known is None or not np.isin(each, known).all():
+            values = "no labels, but fractions" if known is None else f"the labels {_listed(known)}"
+            raise ValueError(f"{name}={wanted[name]!r}: {read.source} holds {values}.")
+    used = np.concatenate(list(labels.values()))
+    if len(np.unique(used)) < len(used):
+        raise ValueError("gray, white and hole share a label; each label belongs to one tissue.")
+    share = _sum_of_maps if several else _is_one_of
+    return {name: Tissue(read, partial(share, each)) for name, each in labels.items()}
+
+
+def _is_one_of(labels: Integers, values: Any) -> Any:
+    return np.isin(values, labels)
+
+
+def _sum_of_maps(numbers: Integers, values: Any) -> Any:
+    return values[..., numbers].sum(axis=-1)
+
+
+def _maps(images: Mapping[str, Image]) -> dict[str, Tissue]:
+    """Return the tissues of which each image is a map of probability."""
+    if not {"gray"} <= set(images) <= set(NAMES):
+        raise ValueError(f"the names of images are gray, white and hole, not {', '.join(images)}.")
+    first = images["gray"]
+    for name, item in images.items():
+        same = item.values.shape == first.values.shape
+        if not (same and np.allclose(item.affine, first.affine, rtol=1e-4, atol=1e-6)):
+            raise ValueError(f"the images of gray and {name} have other voxels; bring them to one grid.")
+    return {name: _map(item, None) for name, item in images.items()}
+
+
+def _map(image: Image, level: float | None) -> Tissue:
+    """Return the tissue of which an image is the mask or the map of probability."""
+    values, source = image.values, image.source
+    if values.ndim != 3:
+        raise ValueError(f"{source} has shape {values.shape}; say which map is which, such as gray=0.")
+    known = _whole_values(image)
+    some = values[np.isfinite(values)] if known is None else known
+    low, high = float(some.min(initial=np.inf)), float(some.max(initial=-np.inf))
+    if not low < high or (level is not None and not low <= level < high):
+        shown = "" if level is None else f"level={level:g}: "
+        raise ValueError(f"{shown}{source} has values from {low:g} to {high:g}; the level must lie between.")
+    if known is not None and len(known) == 2:
+        return Tissue(image, partial(np.equal, high))
+    if known is not None and level is not None:
+        return Tissue(image, partial(np.less, level))
+    if known is not None:
+        raise ValueError(f"{source} holds the labels {_listed(known)}; name those of gray, white and hole.")
+    if level is None and not (low >= -1e-3 and high <= 1.001):
+        raise ValueError(
+            f"{source} has values from {low:g} to {high:g}: neither labels nor probabilities; give a level."
+        )
+    return Tissue(image, np.asarray, 0.5 if level is None else level)
+
+
+def _whole_values(image: Image) -> Array | None:
+    """Return the different values of an image of whole numbers, or None for others."""
+    values = image.values
+    if values.dtype.kind == "b" or (values.dtype.kind == "u" and values.dtype.itemsize == 1):
+        return np.flatnonzero(np.bincount(values.ravel(order="K").astype(np.uint8))).astype(float)
+    values = values[np.isfinite(values)]
+    return np.unique(values).astype(float) if (values == np.round(values)).all() else None
+
+
+def _listed(values: Array) -> str:
+    shown = ", ".join(f"{value:g}" for value in values[:SHOWN])
+    return shown + (f", ... {values[-1]:g}" if len(values) > SHOWN else "")
