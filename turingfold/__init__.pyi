@@ -29,6 +29,7 @@ from .growth.zones import Ellipse as Ellipse
 from .growth.zones import HalfPlane as HalfPlane
 from .growth.zones import Window as Window
 from .growth.zones import Zone as Zone
+from .morphometry.closing import morphological_closing as morphological_closing
 from .morphometry.compare import compare as compare
 from .morphometry.folds import find_folds as find_folds
 from .morphometry.folds import fold_count as fold_count
@@ -38,6 +39,7 @@ from .morphometry.folds import wavelength_spectrum as wavelength_spectrum
 from .morphometry.fourier import fourier_descriptors as fourier_descriptors
 from .morphometry.fourier import reconstruction_error as reconstruction_error
 from .morphometry.registration import registration as registration
+from .morphometry.registration import registration_null as registration_null
 from .morphometry.shape import cortical_thickness as cortical_thickness
 from .morphometry.shape import gyrification_index as gyrification_index
 from .morphometry.shape import shape_index as shape_index

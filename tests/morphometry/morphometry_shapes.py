@@ -1,5 +1,7 @@
 """Curves whose measures are known."""
+import contourpy
 import numpy as np
+import shapely
 
 
 def angles(n, arc=2 * np.pi):
@@ -49,6 +51,31 @@ def comb(fingers, width, slot, depth, base=1.0, step=0.01):
         if k:
             corners += [(left, 0.0), (left - slot, 0.0)]
     return polygon(corners, step)
+
+
+def banana(middle=3.0, half=1.0, turn=np.pi, step=0.01):
+    """A strip of width 2 half bent to an arc of radius `middle`, with round ends; counter-clockwise."""
+    def arc(radius, centre, start, end):
+        at = np.linspace(start, end, max(3, int(abs(end - start) * radius / step)), endpoint=False)
+        return np.array(centre)[:, None] + radius * np.array([np.cos(at), np.sin(at)])
+
+    tip = middle * np.array([np.cos(turn), np.sin(turn)])
+    return np.hstack((
+        arc(middle + half, (0, 0), 0, turn), arc(half, tip, turn, turn + np.pi),
+        arc(middle - half, (0, 0), turn, 0), arc(half, (middle, 0), np.pi, 2 * np.pi),
+    ))  # fmt: skip
+
+
+def voxels(inside, size, extent, diagonal=False):
+    """Outline of the voxels with middles `inside(x, y)`: round their sides, or through the sides' middles."""
+    at = np.arange(-round(extent / size), round(extent / size) + 1.0)
+    mask = inside(*np.meshgrid(at * size, at * size))
+    if diagonal:
+        (line,) = contourpy.contour_generator(at, at, mask.astype(float)).lines(0.5)
+        return size * line.T[:, :-1]
+    y, x = at[np.argwhere(mask).T]
+    squares = shapely.union_all(shapely.box(x - 0.5, y - 0.5, x + 0.5, y + 0.5))
+    return size * shapely.get_coordinates(squares.exterior.segmentize(1.0)).T[:, :-1]
 
 
 def moved(points, angle=0.0, scale=1.0, shift=(0.0, 0.0)):

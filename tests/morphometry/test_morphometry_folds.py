@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms
+from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms, voxels
 
 from turingfold.morphometry.folds import (
     find_folds,
@@ -13,6 +13,7 @@ from turingfold.morphometry.folds import (
     wavelength_spectrum,
 )
 from turingfold.morphometry.polyline import as_polyline
+from turingfold.morphometry.shape import gyrification_index
 from turingfold.morphometry.walls import self_intersections
 
 steady = settings(derandomize=True, deadline=None, max_examples=20)
@@ -28,7 +29,7 @@ def test_convex_bodies_have_no_folds(height, arc):
 
 
 @pytest.mark.parametrize("height", [1.0, 0.74, 0.5])
-@pytest.mark.parametrize(("lobes", "amplitude"), [(3, 0.3), (5, 0.1), (12, 0.02), (12, 0.3), (40, 0.1)])
+@pytest.mark.parametrize(("lobes", "amplitude"), [(3, 0.3), (5, 0.1), (12, 0.04), (12, 0.3), (40, 0.1)])
 def test_lobes_are_counted_on_circle_and_ellipse(lobes, amplitude, height):
     assert fold_count(flower(lobes, amplitude, height=height)) == lobes
 
@@ -53,7 +54,7 @@ def test_depth_is_that_below_the_common_tangent_of_two_crests(lobes, amplitude):
 @pytest.mark.parametrize(("lobes", "amplitude"), [(3, 0.05), (12, 0.004), (12, 0.05), (12, 0.4)])
 def test_depth_and_width_about_a_reference(lobes, amplitude):
     """Against the circle they undulate about, lobes are 2a deep and 2 sin(pi/2n) wide half way down."""
-    folds = find_folds(flower(lobes, amplitude, 2400), reference=ellipse(1, 1))
+    folds = find_folds(flower(lobes, amplitude, 2400), reference=ellipse(1, 1), prominence=0.005)
     assert folds.count == lobes
     np.testing.assert_allclose(folds.depths, 2 * amplitude, rtol=1e-3)
     np.testing.assert_allclose(folds.widths, 2 * np.sin(np.pi / (2 * lobes)), rtol=2e-3)
@@ -100,6 +101,66 @@ def test_prominence_is_the_least_depth():
     points, circle = flower(9, 0.03, 1800), ellipse(1, 1)
     assert fold_count(points, reference=circle, prominence=0.0599) == 9
     assert fold_count(points, reference=circle, prominence=0.0601) == 0
+
+
+@pytest.mark.parametrize("options", [{}, {"smoothing": 0.0}])
+def test_the_default_least_depth_is_a_fifth_of_the_thickness(options):
+    points, circle = flower(9, 0.03, 1800), ellipse(1, 1, 1800)
+    below = find_folds(points, reference=circle, thickness=0.0599 / 0.2, **options)
+    above = find_folds(points, reference=circle, thickness=0.0601 / 0.2, **options)
+    assert (below.count, above.count) == (9, 0)
+    assert above.prominence == pytest.approx(0.0601)
+    assert above.smoothing == pytest.approx(0.0601 / 0.2 / 4 if not options else 0.0)
+
+
+@pytest.mark.parametrize("arc", [2 * np.pi, np.pi])
+def test_ripples_that_do_not_show_in_the_index_are_no_folds(arc):
+    """Ten ripples along a half circle, r = 1 + a cos(20 t), concave for a > 1/400, index below 1.005."""
+    for amplitude in (0.003, 0.006, 0.01):
+        points = flower(20, amplitude, 4000, arc)
+        assert gyrification_index(points) < 1.005
+        assert fold_count(points) == fold_count(points, thickness=1 / 16) == 0
+    # deeper ones, at the same places, are
+    assert fold_count(flower(20, 0.03, 4000, arc)) == (20 if arc > 6 else 10)
+
+
+def test_sulci_shorter_than_the_smoothing_are_not_counted():
+    """Slots 0.02 wide and 0.3 deep in a slab, 0.6 of arc each: an average over 0.3 levels them."""
+    points = comb(8, 0.3, 0.02, 0.3)
+    kept = find_folds(points, smoothing=0.05)
+    assert kept.count == 7
+    np.testing.assert_allclose(kept.depths, 0.3, rtol=1e-9)  # measured on the curve as given
+    assert find_folds(points, smoothing=0.5).count == 0
+
+
+@pytest.mark.parametrize("diagonal", [False, True])
+@pytest.mark.parametrize("height", [1.0, 0.6])
+@pytest.mark.parametrize("size", [1 / 10.3, 1 / 24, 1 / 40, 1 / 64.7])
+def test_stairs_of_voxels_are_no_folds(size, height, diagonal):
+    """A disc or an ellipse of voxels has none; waves deeper than two voxels are all found."""
+    smooth = voxels(lambda x, y: np.hypot(x, y / height) < 1, size, 1.2, diagonal)
+    assert fold_count(smooth) == 0
+    assert fold_count(smooth, thickness=1 / 16) == 0
+    assert gyrification_index(smooth) > 1.02
+    assert gyrification_index(smooth, smoothing=2 * size) < 1.005
+    folded = voxels(
+        lambda x, y: np.hypot(x, y / height) < 1 + 0.2 * np.cos(5 * np.arctan2(y, x)), size, 1.5, diagonal
+    )
+    if size < 0.05:
+        assert fold_count(folded) == 5
+
+
+@pytest.mark.parametrize("slot", [0.3, 0.05])
+def test_the_depth_below_the_hull_is_that_of_the_slots_floor(slot):
+    """The floors of a comb's slots lie 0.7 below its top; the middle finger is 0.2 shorter."""
+    points = comb(3, 0.4, slot, 0.7, step=0.02)
+    short = np.abs(points[0] - (0.6 + slot)) < 0.2 + slot / 4
+    points[1, short & (points[1] > 0.5)] = 0.5
+    points = np.delete(points, np.flatnonzero(np.hypot(*np.diff(points, axis=1)) < 1e-9), axis=1)
+    folds = find_folds(points)
+    assert folds.count == 2
+    np.testing.assert_allclose(folds.hull_depths, 0.7, atol=1e-9)
+    np.testing.assert_allclose(folds.depths, 0.7 - 0.2 / 2, atol=1e-9)  # below the mean of 0.7 and 0.5
 
 
 def test_shallow_and_deep_folds_side_by_side():

@@ -1,13 +1,13 @@
 """Checks of input, arc length, outer path, distances."""
 import numpy as np
 import pytest
-from morphometry_shapes import ellipse, flower, polygon
+from morphometry_shapes import angles, ellipse, flower, polygon
 from scipy.special import ellipe
 
 from turingfold.morphometry.folds import find_folds, fold_count
 from turingfold.morphometry.fourier import fourier_descriptors
 from turingfold.morphometry.polyline import as_polyline, perimeter, resample, signed_distance
-from turingfold.morphometry.registration import registration
+from turingfold.morphometry.registration import registration, registration_null
 from turingfold.morphometry.shape import cortical_thickness, gyrification_index, shape_index
 from turingfold.morphometry.similarity import similarity
 from turingfold.morphometry.walls import self_intersections, wall_contact_length
@@ -42,6 +42,10 @@ def test_bad_points_are_refused(measure, case):
 
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: find_folds(CIRCLE, prominence=-1.0), "prominence=-1 must be positive"),
+    (lambda: find_folds(CIRCLE, thickness=2.5), "thickness=2.5 must be between 0.00099.* and 0.99.*one unit"),
+    (lambda: find_folds(CIRCLE, thickness=1e-4), "thickness=0.0001 must be between .*radius of 0.99"),
+    (lambda: find_folds(CIRCLE, smoothing=-0.1), "smoothing=-0.1 must be between 0 and 0.99"),
+    (lambda: gyrification_index(CIRCLE, smoothing=np.nan), "smoothing=nan must be a finite number"),
     (lambda: find_folds(CIRCLE, reference=ARC), "reference: the gap"),
     (lambda: shape_index(CIRCLE, 0.0), "thickness=0 must be positive"),
     (lambda: cortical_thickness(CIRCLE, CIRCLE[:, :5]), "interface has 5 points"),
@@ -54,6 +58,8 @@ def test_bad_points_are_refused(measure, case):
     (lambda: similarity(CIRCLE, CIRCLE, "1"), "p='1' must be a finite number; use 1, 2 or inf"),
     (lambda: similarity(CIRCLE, CIRCLE, -np.inf), "p=-inf must be a finite number"),
     (lambda: registration(np.ones(100), CIRCLE, CIRCLE), "pattern is constant"),
+    (lambda: registration_null(np.arange(100), CIRCLE, CIRCLE, phases=1), "phases=1 must be a whole number"),
+    (lambda: registration_null(np.ones(100), CIRCLE, CIRCLE), "pattern is constant"),
     (lambda: registration(np.ones(99), CIRCLE, CIRCLE), "pattern has 99 values"),
     (lambda: registration(np.ones(100), CIRCLE[:, :-1], CIRCLE), "must be the same nodes"),
     (lambda: resample(CIRCLE, 7), "count=7 must be a whole number of at least 8"),
@@ -97,6 +103,26 @@ def test_normals_point_out_whichever_way_the_curve_runs(arc, step):
 def test_radius_is_that_of_the_disc_and_of_the_half_disc():
     for points in (ellipse(3, 3, 2000), ellipse(3, 3, 2000, arc=np.pi)):
         assert as_polyline(points).radius == pytest.approx(3, rel=1e-5)
+
+
+def test_smoothing_a_circle_with_a_wave_damps_both_as_a_gaussian_does():
+    """Of exp(i k t) the part exp(-(k w)^2/2) stays: k = 1 for the circle, 1 + n and 1 - n for its wave."""
+    n, a, width = 9, 1e-3, 0.1
+    theta = angles(4000)
+    smooth = as_polyline(flower(n, a, 4000)).smoothed(width).points
+    damped = [np.exp(-((k * width) ** 2) / 2) for k in (1, 1 + n, 1 - n)]
+    expected = damped[0] * np.exp(1j * theta) + a / 2 * (
+        damped[1] * np.exp(1j * (1 + n) * theta) + damped[2] * np.exp(1j * (1 - n) * theta)
+    )
+    # along the arc instead of the angle: the speed differs by terms of order a^2 n^2
+    np.testing.assert_allclose((1, 1j) @ smooth, expected, atol=20 * a**2 * n**2)
+
+
+def test_smoothing_a_half_disc_is_smoothing_the_disc():
+    whole, half = (as_polyline(flower(8, 0.1, n, arc)) for n, arc in ((2000, 2 * np.pi), (1001, np.pi)))
+    smooth = half.smoothed(0.1).points
+    np.testing.assert_allclose(smooth, whole.smoothed(0.1).points[:, :1001], atol=1e-5)
+    np.testing.assert_array_equal(half.smoothed(0.0).points, half.points)
 
 
 @pytest.mark.parametrize("arc", [2 * np.pi, np.pi])

@@ -1,25 +1,41 @@
 """Gyri and sulci: where they are, how deep, how wide, how far apart.
 
-A sulcus is an inward excursion of the fold height by at least `prominence` against the crests on both
-sides. It is followed along the arc, never as a function of angle, so overhanging folds and touching walls
-count like any other. The height is the signed distance to a `reference` outline where one is given (then
-undulations of a still convex curve count too), else minus the depth below the taut outer path.
+A sulcus is an inward excursion of the fold height between two crests, followed along the arc and never as a
+function of angle, so that overhanging folds and touching walls count like any other. The height is the
+signed distance to a `reference` outline where one is given (then undulations of a still convex curve count
+too), else minus the depth below the convex hull.
+
+Two lengths say what counts: a sulcus is at least `prominence` below both its crests, and half of that
+remains when the curve is averaged along its arc over `smoothing`. Ripples fail the first, the stairs of an
+outline traced round voxels the second.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..checks import positive
+from ..checks import between, positive
 from .polyline import Polyline, as_polyline, signed_distance
 
-PROMINENCE = 0.005  # least depth of a sulcus over the radius of the body: some 0.05 to 0.08 of the thickness
+PROMINENCE = 0.2, 0.0125  # least depth of a sulcus, over the cortical thickness and over the body's radius
+SMOOTHING = 0.25, 1 / 60  # standard deviation of the average along the arc, over the same
+COARSEST = 0.125  # largest voxel that raises the least depth, over the body's radius
 PLATEAU = 0.1  # heights closer than this part of the prominence are one crest or one floor
+
+
+class Options(TypedDict, total=False):
+    """The options of `find_folds`, for functions that hand them on."""
+
+    thickness: float | None
+    prominence: float | None
+    smoothing: float | None
+    reference: Any
+    closed: bool | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,15 +44,20 @@ class Folds:
 
     sulci, gyri: indices of fundi and crests; an open curve with sulci has one gyrus more, a curve without
     sulci has no gyri.  depths: fundus below the mean of the crests beside it, m, one per sulcus.
-    widths: distance across a gyrus half way down its two walls, m, one per gyrus with two walls.
-    heights: fold height (n,) at all points, m.
+    hull_depths: distance of the fundus to the side of the convex hull that bridges it, m, the sulcal depth
+    of surface-based morphometry.  widths: distance across a gyrus half way down its two walls, m, one per
+    gyrus with two walls.  heights: fold height (n,) at all points, m.
+    prominence, smoothing: the least depth and the length of averaging, m, that these folds passed.
     """
 
     sulci: Integers
     gyri: Integers
     depths: Array
+    hull_depths: Array
     widths: Array
     heights: Array
+    prominence: float
+    smoothing: float
 
     @property
     def count(self) -> int:
@@ -64,53 +85,71 @@ def fold_height(points: Any, *, reference: Any = None, closed: bool | None = Non
 
 
 def find_folds(
-    points: Any, *, prominence: float | None = None, reference: Any = None, closed: bool | None = None
+    points: Any,
+    *,
+    thickness: float | None = None,
+    prominence: float | None = None,
+    smoothing: float | None = None,
+    reference: Any = None,
+    closed: bool | None = None,
 ) -> Folds:
-    """Return the folds of a curve; `prominence` is the least depth of a sulcus, m.
+    """Return the folds of a curve (2, n) that are deep and long enough to count.
 
-    Default: 0.005 of the radius of the body. Raises ValueError for a prominence that is not positive and
-    for points that are no curve.
+    prominence: least depth of a sulcus, m; by default 0.2 of the cortical thickness, or 0.0125 of the body's
+    radius where no `thickness`, m, is given, and at least a voxel where the points are traced round voxels.
+    smoothing: standard deviation of the average along the arc, m, 0 for none; by default 0.25 of the
+    thickness, or 1/60 of the radius.  Positions and depths are those of the curve as given.
+    reference (2, m): outline that heights are measured from, such as that of `morphological_closing`.
+    Raises ValueError for a prominence that is not positive, a thickness in another unit than the points, and
+    points that are no curve.
     """
     curve = as_polyline(points, closed)
-    least = PROMINENCE * curve.radius if prominence is None else positive("prominence", prominence)
+    by_radius = thickness is None
+    scale = curve.radius if thickness is None else curve.cortex(thickness)
+    if prominence is None:
+        voxel = min(curve.voxel, COARSEST * curve.radius)
+        prominence = max(PROMINENCE[by_radius] * scale, voxel)
+    least = positive("prominence", prominence)
+    width = SMOOTHING[by_radius] * scale if smoothing is None else smoothing
+    smoothing = between("smoothing", width, 0.0, curve.radius)
     heights = _height(curve, reference)
-    walk, along = _walk(curve, heights)
+    smooth = heights if smoothing == 0 else _height(curve.smoothed(smoothing), reference)
+    walk, along = _walk(curve, smooth)
     h = heights[walk]
-    fundi = _fundi(h[:along], least)
-    if not fundi:
-        none = np.zeros(0, dtype=np.int64)
-        return Folds(sulci=none, gyri=none, depths=np.zeros(0), widths=np.zeros(0), heights=heights)
-    bounds = [*fundi, fundi[0] + curve.size] if curve.closed else [0, *fundi, curve.size - 1]
-    crests = [a + int(np.argmax(h[a : b + 1])) for a, b in pairwise(bounds)]
-    turns = [*crests, crests[0] + curve.size] if curve.closed else crests
-    floors = [a + int(np.argmin(h[a : b + 1])) for a, b in pairwise(turns)]
+    fundi = _fundi(smooth[walk][:along], least if smoothing == 0 else least / 2)
+    crests, floors = _turns(curve, h, fundi)
+    while fundi and (shallow := _shallow(curve, h, crests, floors, least)) is not None:
+        del fundi[shallow]
+        crests, floors = _turns(curve, h, fundi)
+    turns = _round(curve, crests)
     sides = list(zip(pairwise(turns), floors, strict=True))
-    tops = zip(pairwise(bounds), crests, strict=True)
+    tops = zip(pairwise(_bounds(curve, fundi)), crests, strict=True) if fundi else ()
     slack = PLATEAU * least
+    sulci = walk[np.array([_middle(h, a, b, floor, slack) for (a, b), floor in sides], dtype=np.int64)]
+    gyri = walk[np.array([_middle(h, a, b, crest, slack) for (a, b), crest in tops], dtype=np.int64)]
     return Folds(
-        sulci=walk[[_middle(h, a, b, floor, slack) for (a, b), floor in sides]],
-        gyri=walk[[_middle(h, a, b, crest, slack) for (a, b), crest in tops]],
+        sulci=sulci,
+        gyri=gyri,
         depths=np.array([(h[a] + h[b]) / 2 - h[floor] for (a, b), floor in sides]),
-        widths=_widths(curve, walk, h, sides),
+        hull_depths=curve.depth[sulci],
+        widths=_widths(curve, walk, h, sides) if fundi else np.zeros(0),
         heights=heights,
+        prominence=least,
+        smoothing=smoothing,
     )
 
 
-def fold_count(
-    points: Any, *, prominence: float | None = None, reference: Any = None, closed: bool | None = None
-) -> int:
-    """Return the number of sulci deeper than `prominence`, m (default 0.005 of the radius of the body).
+def fold_count(points: Any, **options: Unpack[Options]) -> int:
+    """Return the number of sulci of `find_folds`, with its options.
 
     A convex curve has none, unless a `reference` outline (2, m) says what it undulates about.
     """
-    return find_folds(points, prominence=prominence, reference=reference, closed=closed).count
+    return find_folds(points, **options).count
 
 
-def sulcal_depth(
-    points: Any, *, prominence: float | None = None, reference: Any = None, closed: bool | None = None
-) -> float:
-    """Return the mean depth of the sulci, m, each below the mean of its two crests; 0 without sulci."""
-    return find_folds(points, prominence=prominence, reference=reference, closed=closed).depth
+def sulcal_depth(points: Any, **options: Unpack[Options]) -> float:
+    """Return the mean depth, m, of the sulci of `find_folds`, with its options; 0 without sulci."""
+    return find_folds(points, **options).depth
 
 
 def wavelength_spectrum(
@@ -171,6 +210,36 @@ def _fundi(heights: Array, least: float) -> list[int]:
         elif not down and heights[crest] - h >= least:
             floor, down = k, True
     return fundi
+
+
+def _bounds(curve: Polyline, fundi: list[int]) -> list[int]:
+    """Return the fundi with what ends the stretches between them: the first again, or the curve's ends."""
+    return [*fundi, fundi[0] + curve.size] if curve.closed else [0, *fundi, curve.size - 1]
+
+
+def _round(curve: Polyline, crests: list[int]) -> list[int]:
+    return [*crests, crests[0] + curve.size] if curve.closed and crests else crests
+
+
+def _turns(curve: Polyline, h: Array, fundi: list[int]) -> tuple[list[int], list[int]]:
+    """Return the highest points between the fundi and the lowest between those."""
+    if not fundi:
+        return [], []
+    crests = [a + int(np.argmax(h[a : b + 1])) for a, b in pairwise(_bounds(curve, fundi))]
+    return crests, [a + int(np.argmin(h[a : b + 1])) for a, b in pairwise(_round(curve, crests))]
+
+
+def _shallow(curve: Polyline, h: Array, crests: list[int], floors: list[int], least: float) -> int | None:
+    """Return the fundus beside the lowest crest, the higher of two, if that crest rises less than `least`."""
+    low = h[floors]
+    end = [] if curve.closed else [-np.inf]
+    before, after = (np.roll(low, 1) if curve.closed else np.append(end, low)), np.append(low, end)
+    rise = h[crests] - np.maximum(before, after)
+    k = int(np.argmin(rise))
+    if rise[k] >= least:
+        return None
+    floor = k - 1 if before[k] > after[k] else k
+    return (floor + 1) % low.size if curve.closed else floor
 
 
 def _middle(h: Array, first: int, last: int, extreme: int, slack: float) -> int:

@@ -12,15 +12,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import ConvexHull, cKDTree
 
 from ..arrays import Array, Integers
-from ..checks import finite_array, whole
+from ..checks import between, finite_array, whole
 
 FEWEST_POINTS = 8
 FINE = 2000  # pieces at least that a curve is cut into where distances to it are wanted
 WIDEST_GAP = 5.0  # closing segment of an outline over its longest other segment
 COINCIDENT = 1e-12  # distance over extent below which two points are one
+THINNEST, THICKEST = 1e-3, 1.0  # cortical thickness over the radius of the body: beyond, the units differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +117,51 @@ class Polyline:
     def radius(self) -> float:
         """Size of the body, m: radius of the disc (pial surface: half disc) with the same outer path."""
         return self.outer.length / (2 * np.pi if self.closed else np.pi)
+
+    @property
+    def spacing(self) -> float:
+        """Distance between neighbouring points, m: the median, which a straight cut across a base leaves."""
+        return float(np.median(self.lengths))
+
+    @property
+    def voxel(self) -> float:
+        """Size of the voxels, m, that a curve of steps in at most eight directions was traced round, at most.
+
+        0 for any other curve. A step is the side of a voxel, or joins the middles of two of its sides.
+        """
+        direction = self.segments / self.lengths
+        turned = np.unique(np.round(direction, 6) + 0.0, axis=1).shape[1]
+        return np.sqrt(2) * self.spacing if turned <= 8 else 0.0
+
+    def cortex(self, thickness: Any) -> float:
+        """Return a cortical thickness, m, as a float; ValueError if it is not in the unit of the points."""
+        low, high = THINNEST * self.radius, THICKEST * self.radius
+        unit = f"the body has a radius of {self.radius:.4g}: give both in one unit, such as m"
+        return between("thickness", thickness, low, high, unit)
+
+    def smoothed(self, length: float) -> Polyline:
+        """Return the curve averaged along its arc with a Gaussian of standard deviation `length`, m.
+
+        Every point keeps its index. An open curve is continued by its mirror image in the line through its
+        ends, as a half body is by its other half.
+        """
+        if length == 0:
+            return self
+        loop = self.points
+        if not self.closed:
+            start, span = loop[:, :1], loop[:, -1:] - loop[:, :1]
+            offset = loop - start
+            image = start + 2 * span * np.sum(span * offset, axis=0) / np.sum(span**2) - offset
+            loop = np.hstack((loop, image[:, -2:0:-1]))
+        whole_loop = Polyline(loop, closed=True)
+        step = max(min(self.spacing, length), self.spacing / 8) / 4
+        count = int(np.ceil(whole_loop.length / step))
+        at = np.arange(count) * whole_loop.length / count
+        even = [np.interp(at, whole_loop.arc, row, period=whole_loop.length) for row in loop]
+        mean = gaussian_filter1d(even, length * count / whole_loop.length, axis=1, mode="wrap")
+        return Polyline(
+            np.stack([np.interp(self.arc, at, row, period=whole_loop.length) for row in mean]), self.closed
+        )
 
     def reversed(self) -> Polyline:
         """Return the same curve, run through from its other end."""

@@ -3,26 +3,45 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from ..arrays import Array
-from ..checks import positive
-from .folds import find_folds
+from ..checks import between, positive
+from .closing import morphological_closing
+from .folds import Options, find_folds
 from .polyline import Polyline, as_polyline, signed_distance
 
 
-def gyrification_index(points: Any, *, initial: Any = None, closed: bool | None = None) -> float:
-    """Return the length of the curve over the length of its taut outer path, at least 1.
+def gyrification_index(
+    points: Any,
+    *,
+    initial: Any = None,
+    closing: float | None = None,
+    smoothing: float = 0.0,
+    closed: bool | None = None,
+) -> float:
+    """Return the length of the curve over the length of its outer path.
 
     The outer path of an outline is its convex hull; of a pial surface, the way from its first point round
-    the hull to its last, without the base. With `initial` (2, m), the length over the length of that curve.
+    the hull to its last, without the base: the index is at least 1. With `closing`, m, it is that of
+    `morphological_closing` by a disc of this radius, which a bent body without folds gives index 1. With
+    `initial` (2, m), the length of that curve. smoothing, m: the curve is first averaged along its arc,
+    Gaussian with this standard deviation, as an outline with the stairs of voxels needs (two voxels).
+    Raises ValueError for `initial` beside `closing`.
     """
-    curve = as_polyline(points, closed)
+    given = as_polyline(points, closed)
+    curve = given.smoothed(between("smoothing", smoothing, 0.0, given.radius))
+    if initial is not None and closing is not None:
+        raise ValueError("initial and closing are two outer lengths to divide by; give one of them.")
     if initial is not None:
-        return curve.length / as_polyline(initial, curve.closed, "initial").length
-    return curve.length / curve.outer.length
+        outer = as_polyline(initial, curve.closed, "initial")
+    elif closing is not None:
+        outer = Polyline(morphological_closing(curve.points, closing, closed=curve.closed), curve.closed)
+    else:
+        outer = curve.outer
+    return curve.length / outer.length
 
 
 def signed_curvature(points: Any, *, closed: bool | None = None) -> Array:
@@ -105,19 +124,12 @@ class Thickness:
         return float(self.gyri.mean() / self.sulci.mean()) if self.sulci.size else 1.0
 
 
-def cortical_thickness(
-    pial: Any,
-    interface: Any,
-    *,
-    prominence: float | None = None,
-    reference: Any = None,
-    closed: bool | None = None,
-) -> Thickness:
+def cortical_thickness(pial: Any, interface: Any, **options: Unpack[Options]) -> Thickness:
     """Return the distance from each pial point (2, n) to the gray-white interface (2, m), both deformed.
 
     Gyri and sulci are those of `find_folds` with the same options.
     """
-    curve = as_polyline(pial, closed, "pial")
+    curve = as_polyline(pial, options.get("closed"), "pial")
     depth = np.abs(signed_distance(curve.points, as_polyline(interface, curve.closed, "interface")))
-    folds = find_folds(curve.points, prominence=prominence, reference=reference, closed=curve.closed)
+    folds = find_folds(curve.points, **(options | {"closed": curve.closed}))
     return Thickness(all=depth, gyri=depth[folds.gyri], sulci=depth[folds.sulci])
