@@ -5,7 +5,7 @@ import pytest
 from small import elastic_scene, folding_scene
 
 from turingfold import Body, TangentialGrowth, half, semicircle, simulate
-from turingfold.results.measures import area_numbers
+from turingfold.results.measures import area_numbers, fold_numbers
 from turingfold.state import State
 
 
@@ -48,6 +48,28 @@ def test_area_growth_of_a_folded_body_is_that_inside_its_curved_outline():
     core = np.concatenate([inner, base[min(ends) + 1 : max(ends)]])
     before, after = (loop_area((body.nodes + u)[:, core]) for u in (0.0, result.last["displacement"]))
     assert summary["core_growth"] == pytest.approx(after / before, rel=1e-12)
+
+
+def test_folds_are_told_with_what_counts_and_the_registration_with_what_chance_gives():
+    body = semicircle(radius=1.0, thickness=0.1, size=0.1)
+    angle, radius = np.arctan2(body.nodes[1], body.nodes[0]), np.hypot(*body.nodes)
+    pattern, outwards = np.cos(16 * angle), body.nodes / np.maximum(radius, 1e-9)
+    # crests of 0.05 on the pattern's peaks, or a quarter of a wave beside them
+    for shift, p in ((0.0, 0.002), (np.pi / 2, 0.5)):
+        push = 0.05 * radius * np.cos(16 * angle + shift)
+        fields = {"displacement": push * outwards, "pattern": pattern[body.cortex.nodes]}
+        numbers = fold_numbers(body, State(1.0, fields))
+        assert numbers["folds"] == 8
+        assert (numbers["least_fold_depth"], numbers["fold_smoothing"]) == pytest.approx((0.02, 0.025))
+        assert numbers["closing_radius"] == pytest.approx(0.3)
+        assert numbers["registration"] == pytest.approx(np.cos(shift), abs=0.02)
+        assert numbers["registration_p"] == pytest.approx(p, abs=0.02)
+        # the disc enters the sulci a little way, the hull bridges them
+        assert 1.0 < numbers["closed_gyrification_index"] < numbers["gyrification_index"]
+    ripples = {"displacement": 0.009 * pattern * body.nodes, "pattern": pattern[body.cortex.nodes]}
+    numbers = fold_numbers(body, State(1.0, ripples))
+    assert numbers["folds"] == numbers["sulcal_depth"] == 0
+    assert f"{numbers['gyrification_index']:.2f}" == "1.00"
 
 
 def test_the_centre_is_inside_half_the_radius():

@@ -26,7 +26,8 @@ KEYS = {
     "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "min_jacobian", "min_gap",
     "inverted_elements", "self_intersections", "gyrification_index",
-    "folds", "sulcal_depth", "mirror_error", "registration", "converged",
+    "closed_gyrification_index", "closing_radius", "folds", "sulcal_depth", "least_fold_depth",
+    "fold_smoothing", "mirror_error", "registration", "registration_p", "converged",
 }  # fmt: skip
 
 

@@ -33,6 +33,7 @@ from .figure import figure_path, save_figure
 from .status import STOPPED, complain, run_command
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
+BENT = 0.02  # difference of the two gyrification indices from which both are told
 POLL = 0.2  # s between looks at what other processes have done
 
 
@@ -280,7 +281,12 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     unit, word = length_unit(results[name].scene.body)
     thickness = " (T: cortical thickness)" if word == "T" else ""
     deep = f", {s['sulcal_depth'] / unit:.2f} {word} deep on average{thickness}" if s["folds"] else ""
-    yield f"folds: {sulci(s['folds'])}{deep}; gyrification index {s['gyrification_index']:.2f}"
+    hull, closed = s["gyrification_index"], s["closed_gyrification_index"]
+    index = f"gyrification index {hull:.2f}"
+    if abs(hull - closed) > BENT:
+        disc = f"the closing by a disc of radius {s['closing_radius'] / unit:.2g} {word}"
+        index += f" against the convex hull, {closed:.2f} against {disc}"
+    yield f"folds: {sulci(s['folds'])}{deep}; {index}"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
@@ -288,7 +294,10 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     if s["inverted_elements"]:
         jacobian += f"; {s['inverted_elements']} element(s) turned over at a corner: use smaller ones"
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
-    yield f"pattern: {_gyri(s['registration'])}"
+    chance = ""
+    if s["registration"]:
+        chance = f"; {100 * s['registration_p']:.1f} % of the pattern's phases register as well or better"
+    yield f"pattern: {_gyri(s['registration'])}{chance}"
     yield f"results: {base / folder_name(name)}"
 
 

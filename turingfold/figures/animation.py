@@ -54,7 +54,7 @@ def animate(result: Result, file: FilePath, *, field: str = "von_mises", rate: i
 
 def frames(figure: Figure, result: Result, field: str, *, last: int = 1) -> Iterator[int]:
     """Draw one state after the other on the figure, the last one `last` times; yield the state's place."""
-    limits = field_limits(result, field=field)
+    body, limits = result.scene.body, field_limits(result, field=field)
     low, high = _box(result)
     figure.set_size_inches(WIDTH, _even(0.9 * WIDTH * float((high - low)[1] / (high - low)[0]) + 0.5))
     unfinished = f"; {result.unfinished}" if result.unfinished else ""
@@ -64,7 +64,7 @@ def frames(figure: Figure, result: Result, field: str, *, last: int = 1) -> Iter
         section(axes, result, step, field=field, limits=limits)
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
-        folds = fold_count(result.pial(step), closed=pial_closed(result.scene.body))
+        folds = fold_count(result.pial(step), thickness=body.thickness, closed=pial_closed(body))
         axes.set_title(f"growth {largest_growth(result.states[step]):.2f}, {sulci(folds)}{unfinished}")
         for _ in range(1 if step < len(result.states) - 1 else last):
             yield step

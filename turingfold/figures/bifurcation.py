@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..stability.arc_length import EquilibriumPath
 
 MEASURES = ("sulcal_depth", "normal_displacement", "fold_amplitude")
+SHALLOWEST = 0.05  # least depth, over the cortical thickness, that a path shows: long before a sulcus counts
 COLOR, TURN = "#0072b2", "#d55e00"
 
 
@@ -29,9 +30,9 @@ def pial_measures(body: Body, displacements: Sequence[Array]) -> dict[str, Array
     """
     moves = [displacement[:, body.pial] for displacement in displacements]
     shapes = [along_pial(body, body.nodes[:, body.pial] + move) for move in moves]
-    closed = pial_closed(body)
+    closed, least = pial_closed(body), SHALLOWEST * body.thickness
     return {
-        "sulcal_depth": np.array([sulcal_depth(shape, closed=closed) for shape in shapes]),
+        "sulcal_depth": np.array([sulcal_depth(shape, prominence=least, closed=closed) for shape in shapes]),
         "normal_displacement": np.abs(_outward(body, displacements)).max(axis=1),
         "fold_amplitude": fold_amplitude(body, displacements),
     }

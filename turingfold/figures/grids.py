@@ -56,11 +56,12 @@ def numbers(result: Result, step: int = -1) -> str:
     from ..morphometry.folds import find_folds
     from ..morphometry.shape import gyrification_index
 
-    closed, pial = pial_closed(result.scene.body), result.pial(step)
-    folds = find_folds(pial, closed=closed)
+    body, pial = result.scene.body, result.pial(step)
+    closed, T = pial_closed(body), body.thickness
+    folds = find_folds(pial, thickness=T, closed=closed)
     index = gyrification_index(pial, closed=closed)
-    depth = folds.depth / result.scene.body.thickness
-    return f"{sulci(folds.count)}, GI {index:.2f}" + (f", depth {depth:.1f} T" if folds.count else "")
+    depth = f", depth {folds.depth / T:.1f} T" if folds.count else ""
+    return f"{sulci(folds.count)}, GI {index:.2f}{depth}"
 
 
 def grid(

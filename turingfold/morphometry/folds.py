@@ -48,6 +48,7 @@ class Folds:
     of surface-based morphometry.  widths: distance across a gyrus half way down its two walls, m, one per
     gyrus with two walls.  heights: fold height (n,) at all points, m.
     prominence, smoothing: the least depth and the length of averaging, m, that these folds passed.
+    radius: of the disc (pial surface: half disc) with the same convex hull's length, m.
     """
 
     sulci: Integers
@@ -58,6 +59,7 @@ class Folds:
     heights: Array
     prominence: float
     smoothing: float
+    radius: float
 
     @property
     def count(self) -> int:
@@ -136,6 +138,7 @@ def find_folds(
         heights=heights,
         prominence=least,
         smoothing=smoothing,
+        radius=curve.radius,
     )
 
 

@@ -10,6 +10,8 @@ from ..geometry.triangles import folded_over
 from ..state import State
 from .surface import along_pial, pial_closed
 
+CLOSING = 3.0  # radius over the cortical thickness: 7.5 mm, as for adult brains (Schaer et al. 2008)
+
 
 def area_numbers(body: Body, state: State) -> dict[str, float | None]:
     """Return the deformed over the undeformed area of the whole, of the core and of its centre.
@@ -41,25 +43,37 @@ def _area_ratio(body: Body, displacement: Array) -> Array:
 def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     """Return what is wrong with the shape of a state, if anything, and what its pial surface looks like.
 
-    inverted_elements: triangles turned over at a corner or an edge middle.  mirror_error: m, None for a body
-    that is not its own mirror image.  registration: None without a pattern.
+    inverted_elements: triangles turned over at a corner or an edge middle.  gyrification_index is against
+    the convex hull, closed_gyrification_index against the closing by a disc of closing_radius, m.
+    sulcal_depth: mean, m, of the sulci that are at least least_fold_depth, m, deep and still there after
+    averaging along fold_smoothing, m.  mirror_error: m, None for a body that is not its own mirror image.
+    registration, registration_p: with the pattern, and the share of the pattern's phases that register as
+    well or better; None without a pattern.
     """
-    from ..morphometry.folds import fold_count, sulcal_depth
-    from ..morphometry.registration import registration
+    from ..morphometry.folds import find_folds
+    from ..morphometry.registration import registration_null
     from ..morphometry.shape import gyrification_index
     from ..morphometry.walls import mirror_error, self_intersections
 
     rest, pial = (along_pial(body, (body.nodes + u)[:, body.pial]) for u in (0.0, state["displacement"]))
     pattern, closed = pial_pattern(body, state), pial_closed(body)
+    folds = find_folds(pial, thickness=body.thickness, closed=closed)
+    radius = min(CLOSING * body.thickness, folds.radius)
+    found = None if pattern is None else registration_null(pattern, pial, rest, closed=closed)
     symmetric = mirror_error(rest) <= 1e-9 * body.length
     return {
         "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
         "self_intersections": self_intersections(pial, closed=closed),
         "gyrification_index": gyrification_index(pial, closed=closed),
-        "folds": fold_count(pial, closed=closed),
-        "sulcal_depth": sulcal_depth(pial, closed=closed),
+        "closed_gyrification_index": gyrification_index(pial, closing=radius, closed=closed),
+        "closing_radius": radius,
+        "folds": folds.count,
+        "sulcal_depth": folds.depth,
+        "least_fold_depth": folds.prominence,
+        "fold_smoothing": folds.smoothing,
         "mirror_error": mirror_error(pial) if symmetric else None,
-        "registration": None if pattern is None else registration(pattern, pial, rest, closed=closed),
+        "registration": None if found is None else found.value,
+        "registration_p": None if found is None else found.p,
     }
 
 
