@@ -5,35 +5,49 @@
 Materials, thickness and growth are those of Figure 3. The source does not give the shape of its ellipse: half
 the width is the radius of Figure 3, and the height is 0.74 of that, our choice. The cortex has the same
 thickness everywhere. The pattern has 20 half waves: 9 peaks, and half a peak at each end of the pial surface.
+Without pattern the axons pull equally at as many places.
 """
 
 from turingfold import (
     AxonalTension,
-    Elastic,
-    NeoHookean,
     Scene,
-    Schnakenberg,
     SelfContact,
     TangentialGrowth,
     Turing,
     figures,
+    human,
+    kinetics_named,
+    run_case,
     semiellipse,
 )
-
-THICKNESS = 2.5e-3
-RATIO = 0.74  # height over half the width
-PULL = AxonalTension(strength=0.5)
+from turingfold import parameters as p
 
 
-def scenes(quick=False):
-    body = semiellipse(
-        width=2 * 0.0404, height=RATIO * 0.0404, thickness=THICKNESS, size=THICKNESS / (2 if quick else 6)
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    width: p.Width = 2 * 0.0404, height: p.Height = 0.74 * 0.0404, thickness: p.Thickness = 2.5e-3,
+    elements: p.Elements = 6, base: p.Base = "clamped",
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 20, strength: p.Strength = 0.5,
+    tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True, seed: p.Seed = 0,
+):  # fmt: skip
+    body = semiellipse(width=width, height=height, thickness=thickness, elements=elements, base=base)
+    solid = human.tissue(
+        young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers
     )
-    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-    pattern, grow = Turing(Schnakenberg(), half_waves=20), TangentialGrowth(cortex=1.9)
-    terms = (Elastic(gray=gray, white=white), PULL, SelfContact())
-    return {"three hypotheses": Scene(body=body, processes=(pattern, grow), terms=terms)}
+    morphogen = (Turing(kinetics_named(kinetics), half_waves=half_waves),) if pattern else ()
+    patches = 0 if pattern else max(1, half_waves // 2)
+    pull = (AxonalTension(strength=strength, patches=patches),) if tension else ()
+    grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
+    processes, terms = (*morphogen, grow), (solid, *pull, SelfContact())
+    return {"three hypotheses": Scene(body=body, processes=processes, terms=terms, seed=seed)}
 
 
 def draw(results, figure):
-    figures.folding(figure, results["three hypotheses"], term=PULL)
+    figures.folding(figure, results["three hypotheses"])
+
+
+if __name__ == "__main__":
+    run_case(__file__)

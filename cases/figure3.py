@@ -4,33 +4,49 @@
 
 Half a brain slice of the 28th gestational week: radius 40.4 mm, cortex 2.5 mm, gray 1389 Pa, white 1895 Pa,
 the cortex growing by 90 % along its surface. The pattern has 24 half waves: 11 peaks, and half a peak at each
-end of the pial surface.
+end of the pial surface. Without pattern the axons pull equally at as many places.
 """
 
 from turingfold import (
     AxonalTension,
-    Elastic,
-    NeoHookean,
     Scene,
-    Schnakenberg,
     SelfContact,
     TangentialGrowth,
     Turing,
     figures,
+    human,
+    kinetics_named,
+    run_case,
     semicircle,
 )
-
-THICKNESS = 2.5e-3
-PULL = AxonalTension(strength=0.5)
+from turingfold import parameters as p
 
 
-def scenes(quick=False):
-    body = semicircle(radius=0.0404, thickness=THICKNESS, size=THICKNESS / (2 if quick else 6))
-    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-    pattern, grow = Turing(Schnakenberg(), half_waves=24), TangentialGrowth(cortex=1.9)
-    terms = (Elastic(gray=gray, white=white), PULL, SelfContact())
-    return {"three hypotheses": Scene(body=body, processes=(pattern, grow), terms=terms)}
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
+    base: p.Base = "clamped", seed: p.Seed = 0,
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+    tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True,
+):  # fmt: skip
+    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    solid = human.tissue(
+        young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers
+    )
+    morphogen = (Turing(kinetics_named(kinetics), half_waves=half_waves),) if pattern else ()
+    patches = 0 if pattern else max(1, half_waves // 2)
+    pull = (AxonalTension(strength=strength, patches=patches),) if tension else ()
+    grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
+    processes, terms = (*morphogen, grow), (solid, *pull, SelfContact())
+    return {"three hypotheses": Scene(body=body, processes=processes, terms=terms, seed=seed)}
 
 
 def draw(results, figure):
-    figures.folding(figure, results["three hypotheses"], term=PULL)
+    figures.folding(figure, results["three hypotheses"])
+
+
+if __name__ == "__main__":
+    run_case(__file__)

@@ -23,6 +23,7 @@ ROOMS = (
     ("scene",),
     ("growth", "outlines", "turing"),
     ("terms",),
+    ("models",),
     ("extend", "solve", "testing"),
     ("stability",),
     ("results",),

@@ -1,4 +1,5 @@
 from . import figures as figures
+from .cli.main import run_case as run_case
 from .errors import InadmissibleStateError as InadmissibleStateError
 from .errors import MissingFieldError as MissingFieldError
 from .errors import NotConvergedError as NotConvergedError
@@ -29,6 +30,10 @@ from .growth.zones import Ellipse as Ellipse
 from .growth.zones import HalfPlane as HalfPlane
 from .growth.zones import Window as Window
 from .growth.zones import Zone as Zone
+from .models import ferret as ferret
+from .models import human as human
+from .models import parameters as parameters
+from .models.declared import Parameter as Parameter
 from .morphometry.closing import morphological_closing as morphological_closing
 from .morphometry.compare import compare as compare
 from .morphometry.folds import find_folds as find_folds
@@ -95,6 +100,7 @@ from .turing.kinetics.concentrations import Thomas as Thomas
 from .turing.kinetics.deviations import BVAM as BVAM
 from .turing.kinetics.deviations import BVAM2012 as BVAM2012
 from .turing.kinetics.deviations import FitzHughNagumo as FitzHughNagumo
+from .turing.kinetics.named import kinetics_named as kinetics_named
 from .turing.kinetics.user import UserKinetics as UserKinetics
 from .turing.process import Turing as Turing
 from .turing.stability import conditions as conditions

@@ -40,8 +40,8 @@ def test_a_case_says_what_it_is_and_how_to_run_it(path):
 def test_scenes_start_and_can_be_stored(path):
     data_or_skip(path)
     case = load_case(path)
-    quick = case.scenes(quick=True)
-    assert case.scenes(quick=False)
+    quick = case.scenes({}, quick=True)
+    assert case.scenes({}, quick=False)
     name, scene = next(iter(quick.items()))
     document, arrays = stored(scene)
     again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays, known=case.known)
@@ -57,7 +57,7 @@ def check_run(path, out):
     assert main(["run", str(path), "--quick", "--out", str(out)]) == 0
     assert (out / case.name / f"{case.name}.png").stat().st_size > 10_000
     summaries = {}
-    for name in case.scenes(quick=True):
+    for name in case.scenes({}, quick=True):
         file = out / case.name / folder_name(name) / "summary.json"
         summaries[name] = summary = json.loads(file.read_text())
         assert summary["converged"] is True

@@ -178,7 +178,7 @@ def test_occupied_folders_are_found_before_anything_runs(written, tmp_path, caps
 
 def test_variations_with_one_folder_are_refused(written, tmp_path, capsys):
     assert main(["sweep", written(INTERRUPTED), "--vary", "Stumbles.how=a b,a-b"]) == 2
-    assert "must differ in the letters of their names: ['how=a b', 'how=a-b']" in unwrapped(capsys)
+    assert "the scenes 'how=a b' and 'how=a-b' would have one folder" in unwrapped(capsys)
     assert not (tmp_path / "results").exists()
 
 
@@ -365,7 +365,7 @@ def test_a_figure_of_another_format_is_refused(tmp_path, capsys, name):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["Schnakenburg"], "known are"),
+        (["Schnakenburg"], "must be one of"),
         (["Schnakenberg", "--param", "c=1"], "no parameter 'c'; it has a, b"),
         (["Schnakenberg", "--param", "a=x"], "NAME=VALUE"),
         (["Schnakenberg", "--ratio", "-1"], "ratio=-1 must be positive"),

@@ -139,7 +139,7 @@ def test_an_interrupted_run_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("turingfold.cli.run.simulate", stopped)
+    monkeypatch.setattr("turingfold.cli.workers.simulate", stopped)
     words = ["accuracy", "small.py", "--meshes", "1", "--steps", "2"]
     assert main(words) == 130
     command = " ".join(capsys.readouterr().err.split()).partition("Go on with: ")[2]

@@ -2,49 +2,47 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..app import App
 from ..results.simulate import CoarseMeshWarning, coarseness
-from .case import folder_name, load_case
+from .case import find_case, folder_name
 from .figure import save_figure
-from .run import results_of
-from .status import run_command
-from .sweep import Sweep
+from .plan import base_folder, planned
+from .request import Request
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def app(options: argparse.Namespace) -> int:
+def app(request: Request) -> int:
     """Open the window and return when it is closed.
 
     Pictures go to results/<case>-app, those of a quick version to results/quick/<case>-app. What is run is
     printed as a command line. Raises ValueError without a display, or for a mistake in the case.
     """
-    case = load_case(options.case)
-    scenes = case.scenes(quick=options.quick, only=options.only or ())
+    case = find_case(request.case)
+    scenes = {one.name: one.scene for one in planned(case, request) if one.scene is not None}
     figure, show = _window(f"turingfold {case.name}")
     if words := coarseness(min(scene.body.elements_through_cortex for scene in scenes.values())):
         warnings.warn(words, CoarseMeshWarning, stacklevel=2)
-    place = {"case": options.case, "quick": options.quick, "out": None}
-    base = results_of(case, argparse.Namespace(**place))
+    base = base_folder(case, request)
 
     def save(name: str, draw: Callable[[Figure], object]) -> Path:
-        path = base.with_name(f"{base.name}-app") / f"{folder_name(name)}.png"
+        path = base / f"{folder_name(name)}.png"
         with save_figure(path) as canvas:
             draw(canvas)
         return path
 
     def command(scene: str, assignments: tuple[tuple[str, str], ...]) -> str:
-        varied = Sweep(assignments) if assignments else None
-        return run_command(argparse.Namespace(**place, variation=varied), [scene])
+        words = tuple(word for name, value in assignments for word in ("--vary", f"{name}={value}"))
+        return replace(request, command=("sweep", *words) if words else ("run",), only=(scene,)).words()
 
     window = App(figure, scenes, command=command, save=save)
     show()

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import NotConvergedError, SolveError
 from ..scene import Scene
-from .case import load_case
+from .case import find_case
 from .figure import save_figure
+from .plan import planned
+from .request import Request
+from .status import say
 
 if TYPE_CHECKING:
     from ..stability.buckling import Buckling
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
 SHOWN = 0.1  # largest displacement of a drawn mode, as a share of the body's length
 
 
-def report(options: argparse.Namespace) -> str:
+def report(request: Request, figure: Path | None = None) -> str:
     """Return critical growth, mode and time of each scene of a case as a table; draw the modes on request.
 
     Terms that resist motion are left out: they would only delay what the tangent shows.
@@ -27,7 +30,8 @@ def report(options: argparse.Namespace) -> str:
     from ..stability.buckling import buckling
     from ..stability.path_dependence import at_rest
 
-    scenes = load_case(options.case).scenes(quick=options.quick, only=options.only or ())
+    plan = planned(find_case(request.case), request)
+    scenes = {one.name: one.scene for one in plan if one.scene is not None}
     found: dict[str, Buckling] = {}
     stopped: dict[str, SolveError] = {}
     for name, scene in scenes.items():
@@ -45,22 +49,22 @@ def report(options: argparse.Namespace) -> str:
             one = found[name]
             kind = "  (limit point)" if one.limit else ""
             rows.append(f"{name:{width}}  {one.growth:15.4f}  {one.mode:10d}  {one.time:6.3f}{kind}")
-    if options.figure is not None:
+    if figure is not None:
         if found:
-            _draw(options, scenes, found)
-        rows.append(f"figure: {options.figure if found else 'not drawn, no scene buckles'}")
+            _draw(figure, scenes, found)
+        rows.append(f"figure: {figure if found else 'not drawn, no scene buckles'}")
     table = "\n".join(rows)
     if stopped:
-        print(table)
+        say(table)
         raise NotConvergedError("\n".join(f"{name}: {error}" for name, error in stopped.items()))
     return table
 
 
-def _draw(options: argparse.Namespace, scenes: dict[str, Scene], found: dict[str, Buckling]) -> None:
+def _draw(file: Path, scenes: dict[str, Scene], found: dict[str, Buckling]) -> None:
     from ..figures.sections import outline
     from ..results.result import along_pial
 
-    with save_figure(options.figure) as figure:
+    with save_figure(file) as figure:
         grid = np.atleast_1d(figure.subplots(-(-len(found) // 2), min(2, len(found)))).ravel()
         for axes, (name, one) in zip(grid, found.items(), strict=False):
             body = scenes[name].body

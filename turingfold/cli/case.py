@@ -1,19 +1,23 @@
-"""Case files: Python files with scenes(quick=False) -> {name: Scene} and draw(results, figure)."""
+"""Case files: Python files with scenes(quick=False, *, ...) -> {name: Scene} and draw(results, figure)."""
 
 from __future__ import annotations
 
 import re
 import sys
 import traceback
-from collections.abc import Callable, Collection, Iterable, Iterator
+import unicodedata
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, is_dataclass
+from functools import cached_property
+from hashlib import sha256
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 from ..errors import SolveError
+from ..models.declared import Declared, declared, nearest, values_of
 from ..results.result import Result
 from ..scene import Scene
 
@@ -24,46 +28,27 @@ MISTAKES = (
     SyntaxError, SystemExit, TypeError,
 )  # fmt: skip
 EXPECTED = (
-    "a case has a docstring and two functions: scenes(quick=False), which returns a dict of names and "
-    "Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
+    "a case has a docstring and two functions: scenes(quick=False, *, ...), which returns a dict of names "
+    "and Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
 )
-
-
-class Variation(Protocol):
-    """What a command other than `run` makes of a case's scenes, and how it draws what becomes of them."""
-
-    @property
-    def command(self) -> str:
-        """Its name, which the folder of the results ends with."""
-
-    @property
-    def arguments(self) -> tuple[str, ...]:
-        """Its own arguments on the command line."""
-
-    def scenes(self, scenes: dict[str, Scene]) -> dict[str, Scene]:
-        """Return the scenes to run, by name."""
-
-    def draw(self, results: dict[str, Result], figure: Any) -> object:
-        """Draw their results."""
+PACKAGE = Path(__file__).parents[1]
+# cases that come with the package: inside it where it is installed, beside it in a checkout
+SHIPPED = next((folder for folder in (PACKAGE / "cases", PACKAGE.parent / "cases") if folder.is_dir()), None)
+RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # names of devices on Windows
+LONGEST = 150  # letters of a folder's name
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A case file that was read.
-
-    variation: what is run instead of its own scenes, if something is.
-    """
+    """A case file that was read."""
 
     path: Path
     module: ModuleType
-    variation: Variation | None = None
-    _own: dict[bool, dict[str, Scene]] = field(init=False, default_factory=dict)
-    _made: dict[tuple[bool, tuple[str, ...]], dict[str, Scene]] = field(init=False, default_factory=dict)
 
     @property
     def name(self) -> str:
         """Name of the file, which its results and its figure have too."""
-        return f"{self.path.stem}-{self.variation.command}" if self.variation else self.path.stem
+        return self.path.stem
 
     @property
     def title(self) -> str:
@@ -81,52 +66,74 @@ class Case:
             if isinstance(item, FunctionType) or (isinstance(item, type) and is_dataclass(item))
         )
 
-    def scenes(self, *, quick: bool, only: Iterable[str] = ()) -> dict[str, Scene]:
-        """Return its scenes by name, or only some, made once; raises ValueError for an unknown name."""
-        every, wanted = self._all(quick), tuple(only)
-        unknown = [name for name in wanted if name not in every]
-        if unknown:
-            names = ", ".join(map(repr, every))
-            raise ValueError(f"{self.path} has no scene {unknown[0]!r}; it has: {names}.")
-        chosen = {name: scene for name, scene in every.items() if not wanted or name in wanted}
-        if self.variation is None:
-            return chosen
-        if (quick, wanted) not in self._made:
-            made = self.variation.scenes(chosen)
-            self._check_apart(made)
-            self._made[quick, wanted] = made
-        return self._made[quick, wanted]
-
-    def _all(self, quick: bool) -> dict[str, Scene]:
-        """Return what the case's own function makes; to make it may take long."""
-        if quick in self._own:
-            return self._own[quick]
+    @cached_property
+    def parameters(self) -> dict[str, Declared]:
+        """Its parameters by name."""
         with explained(self.path):
-            found = self.module.scenes(quick=quick)
+            return declared(self.module.scenes)
+
+    @property
+    def draw(self) -> Callable[[dict[str, Result], Any], object] | None:
+        """Its function that draws, if it has one."""
+        return getattr(self.module, "draw", None)
+
+    def scenes(self, given: Mapping[str, Any], *, quick: bool) -> dict[str, Scene]:
+        """Return its scenes by name, with some parameters given; to make them may take long."""
+        with explained(self.path):
+            found = self.module.scenes(quick=quick, **given)
         if not isinstance(found, dict) or not found:
             raise ValueError(f"{self.path}: scenes() must return a dict with at least one Scene; {EXPECTED}.")
         for name, scene in found.items():
             if not isinstance(name, str) or not isinstance(scene, Scene):
                 raise ValueError(f"{self.path}: scenes() has {name!r}: {type(scene).__name__}; {EXPECTED}.")
-        self._check_apart(found)
-        self._own[quick] = found
+        check_apart(found, self.path)
         return found
 
-    def _check_apart(self, names: Collection[str]) -> None:
-        folders = {folder_name(name) for name in names}
-        if len(folders) < len(names):
-            raise ValueError(f"{self.path}: scenes must differ in the letters of their names: {list(names)}.")
+    def provenance(self, given: Mapping[str, Any], *, quick: bool) -> dict[str, Any]:
+        """Return what is stored with a result of the case: its name, its source by hash, its parameters.
 
-    @property
-    def draw(self) -> Callable[[dict[str, Result], Any], object] | None:
-        """Its function that draws, if it has one."""
-        return self.variation.draw if self.variation else getattr(self.module, "draw", None)
+        "changed": names of the parameters that differ from the defaults.
+        """
+        values, usual = (values_of(self.module.scenes, own, quick=quick) for own in (given, {}))
+        return {
+            "name": self.name,
+            "sha256": sha256(self.path.read_bytes()).hexdigest(),
+            "quick": quick,
+            "parameters": values,
+            "changed": [name for name, value in values.items() if value != usual[name]],
+        }
 
 
-def load_case(path: Path, variation: Variation | None = None) -> Case:
+def find_case(given: str) -> Case:
+    """Read a case: a file, or by name one in the current folder or one that comes with the package.
+
+    Raises ValueError if there is none, or if it has a mistake or no scenes.
+    """
+    paths = [Path(given)] if given.endswith(".py") else [Path(given), Path(f"{given}.py")]
+    known = shipped()
+    if Path(given).name == given:
+        paths += [known[name] for name in (given.removesuffix(".py"),) if name in known]
+    path = next((path for path in paths if path.is_file()), None)
+    if path is None:
+        what = f"no case file {given}" if given.endswith(".py") else f"no case {given}"
+        there = f"{', '.join(known)} come with the package" if known else "none come with the package"
+        raise ValueError(f"there is {what}{nearest(given, known)}; {there}, others are files.")
+    return load_case(path)
+
+
+def shipped() -> dict[str, Path]:
+    """Return the files of the cases that come with the package, by name."""
+    return {path.stem: path for path in case_files(SHIPPED)} if SHIPPED else {}
+
+
+def case_files(folder: Path) -> list[Path]:
+    """Return the Python files of a folder that have scenes; none is run for that."""
+    marked = re.compile(rb"^def scenes\(", re.MULTILINE)
+    return [file for file in sorted(folder.glob("*.py")) if marked.search(file.read_bytes())]
+
+
+def load_case(path: Path) -> Case:
     """Read a case file; raises ValueError if it is missing, has a mistake or has no scenes."""
-    if not path.is_file():
-        raise ValueError(f"there is no case file {path}; turingfold list names those in the folder cases.")
     name = f"turingfold_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
@@ -140,26 +147,27 @@ def load_case(path: Path, variation: Variation | None = None) -> Case:
         spec.loader.exec_module(module)
     if not callable(getattr(module, "scenes", None)):
         raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
-    return Case(path, module, variation)
-
-
-def find_cases(paths: Iterable[Path]) -> list[Path]:
-    """Return the files named, and in the folders named those with scenes; raises ValueError for none."""
-    found: list[Path] = []
-    marked = re.compile(rb"^def scenes\(", re.MULTILINE)
-    for path in paths:
-        files = [path]
-        if path.is_dir():  # reading a case runs it: nothing else in the folder is touched
-            files = [file for file in sorted(path.glob("*.py")) if marked.search(file.read_bytes())]
-        if not files:
-            raise ValueError(f"{path} holds no case files (*.py with a function scenes).")
-        found += files
-    return found
+    return Case(path, module)
 
 
 def folder_name(scene: str) -> str:
-    """Return the name of a scene's folder: letters, digits and hyphens."""
-    return re.sub(r"[^\w.+=]+", "-", scene).strip("-.") or "scene"
+    """Return the name of a scene's folder: letters, digits and hyphens, and nothing that Windows reserves."""
+    name = re.sub(r"[^\w.+=]+", "-", unicodedata.normalize("NFC", scene)).strip("-.") or "scene"
+    if len(name) > LONGEST:
+        name = f"{name[:LONGEST]}-{sha256(scene.encode()).hexdigest()[:8]}"
+    return f"{name}-scene" if RESERVED.fullmatch(name) else name
+
+
+def check_apart(names: Collection[str], path: Path) -> None:
+    """Raise ValueError where two scenes would share a folder, on any system: capitals do not tell apart."""
+    seen: dict[str, str] = {}
+    for name in names:
+        other = seen.setdefault(folder_name(name).casefold(), name)
+        if other != name:
+            raise ValueError(
+                f"{path}: the scenes {other!r} and {name!r} would have one folder, {folder_name(name)}; "
+                "names must differ in letters or digits, and not only in capitals."
+            )
 
 
 @contextmanager

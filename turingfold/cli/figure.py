@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 RESOLUTION = 200  # dots per inch
 
 
-def figure_path(case: Path, out: Path, *, apart: bool) -> Path:
+def figure_path(case: Path, base: Path, *, apart: bool) -> Path:
     """Return where the figure of a case goes.
 
-    Beside a folder "cases" that is figures/<case>.png; a quick run or one with a folder of its own
-    (`apart`), and a case elsewhere, keep it with their results: <out>/<case>.png.
+    For a case in the folder "cases" of the working folder that is figures/<case>.png; a quick run, one with
+    other parameters or a folder of its own (`apart`), and a case elsewhere, keep it with their results.
     """
-    if apart or case.resolve().parent.name != "cases":
-        return out / f"{case.stem}.png"
-    return case.resolve().parent.parent / "figures" / f"{case.stem}.png"
+    if apart or case.resolve().parent != Path("cases").resolve():
+        return base / f"{case.stem}.png"
+    return Path("figures") / f"{case.stem}.png"
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +12,11 @@ from ..errors import NotConvergedError
 from ..figures.bifurcation import MEASURES, bifurcation_diagram, pial_measures
 from ..results.files import write_whole
 from ..results.history import lines
-from .case import folder_name, load_case
+from .case import find_case, folder_name
 from .figure import save_figure
+from .plan import planned
+from .request import Request
+from .status import say
 
 if TYPE_CHECKING:
     from ..geometry.body import Body
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 NUMBERS = ("time", "growth", "energy", "negative_pivots", "arc", "rate", "residual")
 
 
-def follow(options: argparse.Namespace) -> str:
+def follow(request: Request, folder: Path) -> str:
     """Return the limit points of each scene of a case as a table; write its path as CSV and draw them.
 
     <folder>/<scene>.csv: a row per equilibrium; lengths in m.  <folder>/<case>.png: the amplitude of folds
@@ -35,8 +37,8 @@ def follow(options: argparse.Namespace) -> str:
     from ..stability.arc_length import PathStoppedError, equilibria
     from ..stability.path_dependence import at_rest
 
-    case = load_case(options.case)
-    scenes = case.scenes(quick=options.quick, only=options.only or ())
+    case = find_case(request.case)
+    scenes = {one.name: one.scene for one in planned(case, request) if one.scene is not None}
     paths: dict[str, EquilibriumPath] = {}
     stopped: dict[str, PathStoppedError] = {}
     for name, scene in scenes.items():
@@ -45,12 +47,12 @@ def follow(options: argparse.Namespace) -> str:
         except PathStoppedError as error:
             paths[name] = error.path
             stopped[name] = error
-        write_path(options.follow / f"{folder_name(name)}.csv", scene.body, paths[name])
-    picture = options.follow / f"{case.name}.png"
+        write_path(folder / f"{folder_name(name)}.csv", scene.body, paths[name])
+    picture = folder / f"{case.name}.png"
     _draw(picture, scenes, paths)
-    told = "\n".join([*_table(paths, stopped), f"paths: {options.follow}", f"figure: {picture}"])
+    told = "\n".join([*_table(paths, stopped), f"paths: {folder}", f"figure: {picture}"])
     if stopped:
-        print(told)
+        say(told)
         first = next(iter(stopped.values()))
         why = "\n".join(f"{name}: {error}" for name, error in stopped.items())
         raise NotConvergedError(why, time=first.time, residual=first.residual)

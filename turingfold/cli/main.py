@@ -1,4 +1,4 @@
-"""The command line: turingfold run, sweep, accuracy, app, list, draw, animate, stability, buckling, compare.
+"""The command line; `turingfold` alone names its commands.
 
 Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
 Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
@@ -16,7 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO, TypeAlias
 
-from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, complain, run_command
+from .request import Interrupted, Request, Running
+from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, complain, say
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -26,17 +27,38 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXP
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what the command line asks for and return the exit status."""
-    options = parser().parse_args(arguments)
+    commands = parser()
+    options = commands.parse_args(arguments)
+    if options.version:
+        from importlib.metadata import version
+
+        say(f"turingfold {version('turingfold')}")
+        return 0
+    if "command" not in options:
+        say(commands.format_help().rstrip())
+        return 0
     try:
         return _done(options)
+    except Interrupted as stopped:
+        words = f"stopped; nothing before the last checkpoint is lost. Go on with: {stopped.again}"
+        return _failed(options, words, INTERRUPTED)
     except KeyboardInterrupt:
-        return _failed(options, _interrupted(options), INTERRUPTED)
+        return _failed(options, "stopped.", INTERRUPTED)
+
+
+def run_case(file: str) -> None:
+    """Run a case from its own file, `if __name__ == "__main__": run_case(__file__)`, and end the program."""
+    path, here = Path(file).resolve(), Path.cwd()
+    shown = path.relative_to(here) if path.is_relative_to(here) else path
+    raise SystemExit(main(["run", str(shown), *sys.argv[1:]]))
 
 
 def _done(options: argparse.Namespace) -> int:
     """Do it, in one thread if not asked otherwise, and say in words what fails."""
     for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
         os.environ[name] = str(options.threads)
+    if options.command is not _app:  # a notebook's may not be installed here; files need none
+        os.environ["MPLBACKEND"] = "agg"
     logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
     from ..errors import SolveError
     from ..results.files import OutputError
@@ -59,7 +81,8 @@ def _done(options: argparse.Namespace) -> int:
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     top = argparse.ArgumentParser(prog="turingfold", description="Cortical folding in two dimensions.")
-    commands = top.add_subparsers(required=True, metavar="COMMAND")
+    top.add_argument("--version", action="store_true", help="say which version this is")
+    commands = top.add_subparsers(metavar="COMMAND")
     common = argparse.ArgumentParser(add_help=False)
     common.add_argument("--threads", type=_at_least_one, default=1, metavar="N", help="BLAS threads (1)")
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -69,37 +92,50 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+def _case_arguments() -> argparse.ArgumentParser:
+    """Return the arguments that say which scenes of which case are meant."""
+    found = argparse.ArgumentParser(add_help=False)
+    found.add_argument("case", metavar="CASE", help="a name of turingfold list, or a file with scenes()")
+    found.add_argument("--quick", action="store_true", help="the small version, kept apart")
+    found.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    found.add_argument(
+        "--set", action="append", type=_assignment, metavar="NAME=VALUE", dest="assigned",
+        help="value of a parameter of the case, such as thickness=3e-3; may be repeated",
+    )  # fmt: skip
+    return found
+
+
 def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that run cases and draw what came of them."""
+    chosen = _case_arguments()
     stored = argparse.ArgumentParser(add_help=False)
-    stored.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes() and draw()")
-    stored.add_argument("--quick", action="store_true", help="the small version, kept apart")
     stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
-
     running = argparse.ArgumentParser(add_help=False)
-    running.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
     there = running.add_mutually_exclusive_group()
     there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
     there.add_argument("--overwrite", action="store_true", help="replace results that are there")
     running.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
 
-    run = commands.add_parser("run", parents=[stored, running, common], help="run a case, draw its figure")
-    run.set_defaults(command=_run, variation=None)
+    run = commands.add_parser(
+        "run", parents=[chosen, stored, running, common], help="run a case, draw its figure"
+    )
+    run.set_defaults(command=_run)
 
     sweep = commands.add_parser(
-        "sweep", parents=[stored, running, common], help="run a case with other values of its parameters",
+        "sweep", parents=[chosen, stored, running, common], help="run a case with other parameters",
         description="Run a case with other values of its parameters. Each combination has a folder in "
         "DIR/<case>-sweep; the table sweep.csv and the figure there are of the last sweep alone, while the "
         "folders of earlier ones stay.",
     )  # fmt: skip
     sweep.add_argument(
-        "--vary", action="append", required=True, type=_assignment, metavar="PART.NAME=VALUES",
-        help="such as TangentialGrowth.cortex=1.5:1.9:3, AxonalTension=on,off; more make all combinations",
+        "--vary", action="append", required=True, type=_assignment, metavar="NAME=VALUES",
+        help="such as thickness=2e-3,3e-3 or cortex=1.5:1.9:3, or of a part of the scenes, "
+        "AxonalTension.ramp=0,0.2; more make all combinations",
     )  # fmt: skip
     sweep.set_defaults(command=_sweep)
 
     accuracy = commands.add_parser(
-        "accuracy", parents=[stored, running, common], help="error of mesh and steps against run time",
+        "accuracy", parents=[chosen, stored, running, common], help="error against run time",
         description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
         "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
         "in DIR/<case>-accuracy.",
@@ -108,18 +144,24 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     accuracy.add_argument("--steps", type=_number, default=1, metavar="N", help="halvings of the steps (1)")
     accuracy.set_defaults(command=_accuracy)
 
-    app = commands.add_parser("app", parents=[common], help="change a case's parameters in a window")
-    app.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes()")
-    app.add_argument("--quick", action="store_true", help="the small version")
-    app.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    app = commands.add_parser("app", parents=[chosen, common], help="change a case's parameters in a window")
     app.set_defaults(command=_app)
 
-    draw = commands.add_parser("draw", parents=[stored, common], help="draw a figure from stored results")
-    draw.set_defaults(command=_draw, variation=None)
+    draw = commands.add_parser(
+        "draw", parents=[chosen, stored, common], help="draw a figure from stored results"
+    )
+    draw.set_defaults(command=_draw)
 
-    names = commands.add_parser("list", parents=[common], help="name cases and their scenes")
-    names.add_argument("cases", type=Path, nargs="*", default=[Path("cases")], help="files or folders")
+    names = commands.add_parser("list", parents=[common], help="name cases, their scenes and parameters")
+    names.add_argument("cases", nargs="*", metavar="CASE", help="names, files or folders (all)")
     names.set_defaults(command=_list)
+
+    new = commands.add_parser("new", parents=[common], help="a case file of your own, from another")
+    new.add_argument("file", type=Path, metavar="FILE.py", help="the new file")
+    new.add_argument(
+        "--from", default="figure3", metavar="CASE", dest="case", help="it is a copy of (figure3)"
+    )
+    new.set_defaults(command=_new)
 
 
 def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
@@ -142,7 +184,9 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that say what theory expects of kinetics and cases."""
     stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")
     stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
-    stability.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="repeatable")
+    stability.add_argument(
+        "--param", action="append", default=[], type=_assignment, metavar="NAME=VALUE", help="repeatable"
+    )
     stability.add_argument("--ratio", type=float, metavar="D", help="d_inhibitor / d_activator")
     stability.add_argument("--half-waves", type=_at_least_one, metavar="N", help="on a semi-circle")
     stability.add_argument("--radius", type=float, default=0.0404, metavar="M", help="of it, in m (0.0404)")
@@ -150,45 +194,56 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     stability.add_argument("--figure", type=_figure, metavar="FILE", help="draw the dispersion relation")
     stability.set_defaults(command=_stability)
 
-    buckling = commands.add_parser("buckling", parents=[common], help="critical growth and mode of a case")
-    buckling.add_argument("case", type=Path, metavar="CASE.py", help="a file with scenes()")
-    buckling.add_argument("--quick", action="store_true", help="of the small version")
-    buckling.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
+    buckling = commands.add_parser(
+        "buckling", parents=[_case_arguments(), common], help="critical growth and mode of a case"
+    )
     what = buckling.add_mutually_exclusive_group()
     what.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
     what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command=_buckling)
 
 
+def _request(options: argparse.Namespace, *command: str) -> Request:
+    out = getattr(options, "out", None)
+    only, assigned = tuple(options.only or ()), tuple(options.assigned or ())
+    return Request(options.case, options.quick, out, only, assigned, command)
+
+
+def _running(options: argparse.Namespace) -> Running:
+    return Running(options.resume, options.overwrite, options.jobs)
+
+
 def _run(options: argparse.Namespace) -> int:
     from .run import run
 
-    return run(options)
+    return run(_request(options, "run"), _running(options))
 
 
 def _sweep(options: argparse.Namespace) -> int:
     from .sweep import sweep
 
-    return sweep(options)
+    own = [word for name, values in options.vary for word in ("--vary", f"{name}={values}")]
+    return sweep(_request(options, "sweep", *own), tuple(options.vary), _running(options))
 
 
 def _accuracy(options: argparse.Namespace) -> int:
     from .accuracy import accuracy
 
-    return accuracy(options)
+    own = ("--meshes", str(options.meshes), "--steps", str(options.steps))
+    asked = _request(options, "accuracy", *own)
+    return accuracy(asked, _running(options), meshes=options.meshes, steps=options.steps)
 
 
 def _app(options: argparse.Namespace) -> int:
     from .app import app
 
-    return app(options)
+    return app(_request(options, "app"))
 
 
 def _draw(options: argparse.Namespace) -> int:
-    from .case import load_case
     from .run import draw
 
-    print(f"figure: {draw(load_case(options.case), options)}")
+    say(f"figure: {draw(_request(options, 'run'))}")
     return 0
 
 
@@ -197,31 +252,28 @@ def _animate(options: argparse.Namespace) -> int:
     from ..results.result import load
 
     file = options.figure or options.result / "film.gif"
-    print(f"film: {animate(load(options.result), file, field=options.field, rate=options.rate)}")
+    say(f"film: {animate(load(options.result), file, field=options.field, rate=options.rate)}")
     return 0
 
 
 def _list(options: argparse.Namespace) -> int:
-    from .case import find_cases, load_case
+    from .listing import listing
 
-    status = 0
-    for path in find_cases(options.cases):
-        try:
-            case = load_case(path)
-            names = list(case.scenes(quick=True))
-        except ValueError as error:  # the other cases are listed all the same
-            status = _failed(options, str(error), BAD_INPUT)
-            continue
-        print(f"{path}: {case.title}")
-        for name in names:
-            print(f"    {name}")
-    return status
+    return listing(options.cases)
+
+
+def _new(options: argparse.Namespace) -> int:
+    from .listing import new_case
+
+    say(new_case(options.file, options.case))
+    return 0
 
 
 def _stability(options: argparse.Namespace) -> int:
-    from .tools import stability
+    from .tools import Stability, stability
 
-    print(stability(options))
+    own = tuple(options.param), options.ratio, options.half_waves, options.radius, options.thickness
+    say(stability(Stability(options.kinetics, *own, options.figure)))
     return 0
 
 
@@ -229,14 +281,15 @@ def _buckling(options: argparse.Namespace) -> int:
     from .buckling import report
     from .follow import follow
 
-    print(report(options) if options.follow is None else follow(options))
+    request = _request(options, "buckling")
+    say(report(request, options.figure) if options.follow is None else follow(request, options.follow))
     return 0
 
 
 def _compare(options: argparse.Namespace) -> int:
     from .tools import compare
 
-    print(compare(options.a, options.b, options.figure))
+    say(compare(options.a, options.b, options.figure))
     return 0
 
 
@@ -255,7 +308,7 @@ def _number(text: str) -> int:
 def _assignment(text: str) -> tuple[str, str]:
     name, sign, values = text.partition("=")
     if not (name and sign and values):
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form PART.NAME=VALUES")
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form NAME=VALUE")
     return name, values
 
 
@@ -264,14 +317,6 @@ def _figure(text: str) -> Path:
     if path.suffix.lower() not in FIGURES:
         raise argparse.ArgumentTypeError(f"{text!r} must end with {', '.join(FIGURES[:-1])} or {FIGURES[-1]}")
     return path
-
-
-def _interrupted(options: argparse.Namespace) -> str:
-    if not (hasattr(options, "resume") and hasattr(options, "variation")):  # or before it began
-        return "stopped."
-    jobs = ["--jobs", str(options.jobs)] if options.jobs > 1 else []
-    again = run_command(options, options.only or [], *jobs, "--resume")
-    return f"stopped; nothing before the last checkpoint is lost. Go on with: {again}"
 
 
 def _failed(options: argparse.Namespace, message: str, status: int) -> int:

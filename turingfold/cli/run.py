@@ -2,232 +2,134 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import io
-import logging
-import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor, wait
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from multiprocessing import get_context
-from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Any
 
-from ..errors import SolveError
 from ..figures.style import mark_unfinished, sulci
-from ..results.codec import Arrays
-from ..results.document import rebuilt, stored
+from ..results.document import stored
 from ..results.files import write_whole
 from ..results.folder import check_folder
-from ..results.history import read_history
 from ..results.result import Result, Row, length_unit, read_result
-from ..results.simulate import CoarseMeshWarning, coarseness, simulate
+from ..results.simulate import CoarseMeshWarning, coarseness
 from ..scene import Scene
-from .case import Case, explained, folder_name, load_case
+from .case import Case, explained, find_case, folder_name
 from .figure import figure_path, save_figure
-from .status import STOPPED, complain, run_command
+from .plan import Planned, base_folder, changed_words, has_result, planned, without_result
+from .request import Interrupted, Request, Running
+from .status import BAD_INPUT, STOPPED, complain, say
+from .workers import Job, Outcome, Report, run_jobs
 
-Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
+STATUSES = {
+    "converged": 0, "invalid": STOPPED, "interrupted": STOPPED, "stopped": STOPPED, "killed": STOPPED,
+    "refused": BAD_INPUT,
+}  # fmt: skip
 BENT = 0.02  # difference of the two gyrification indices from which both are told
-POLL = 0.2  # s between looks at what other processes have done
 
 
-@dataclass(frozen=True)
-class Job:
-    """A scene to run: where its case is and where its result goes."""
-
-    case: Path
-    name: str
-    folder: Path
-    resume: bool
-    overwrite: bool
-
-
-def run(options: argparse.Namespace) -> int:
+def run(request: Request, running: Running) -> int:
     """Run the scenes of a case, say what became of them, draw the figure; return the exit status."""
-    return run_case(load_case(options.case), options)
-
-
-def run_case(case: Case, options: argparse.Namespace) -> int:
-    """Do that with a case that was read, and perhaps is varied."""
-    warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
-    scenes = case.scenes(quick=options.quick, only=options.only or ())
-    base = results_of(case, options)
-    jobs = [
-        Job(options.case, name, base / folder_name(name), options.resume, options.overwrite)
-        for name in scenes
-    ]
-    _check_folders(jobs, scenes)
-    with progress(scenes) as report:
-        if options.jobs > 1:
-            stopped = _together(jobs, scenes, options.jobs, report)
-        else:
-            stopped = _in_turn(jobs, scenes, report)
-    begun = [job for job in jobs if (job.folder / "states").is_dir()]
-    results = {job.name: read_result(job.folder, known=case.known) for job in begun}
-    _warn_if_coarse(results)
+    case = find_case(request.case)
+    plan = planned(case, request)
+    base = base_folder(case, request)
+    status = finished(list(outcomes(case, plan, request, running)), case, request)
+    begun = [one.name for one in plan if has_result(base, one.name)]
+    results = {name: read_result(base / folder_name(name), known=case.known) for name in begun}
+    if words := changed_words(plan[0].provenance):
+        say(f"parameters: {words}")
     for line in told(case.name, results, base):
-        print(line)
-    for name, message in stopped.items():
-        complain(f"{name}: {message}")
-    if case.draw is not None:
-        if missing := _without_result(_drawn(case, options), base):
-            print(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
-        else:
-            print(f"figure: {draw(case, options)}")
-    return STOPPED if stopped else 0
+        say(line)
+    if case.draw is None:
+        return status
+    every = plan[0].provenance["scenes"]
+    if missing := without_result(base, every):
+        say(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
+        return status
+    for name in set(every) - set(begun):
+        results[name] = read_result(base / folder_name(name), known=case.known)
+    say(f"figure: {drawn(case, {name: results[name] for name in every}, request)}")
+    return status
 
 
-def _check_folders(jobs: Iterable[Job], scenes: Mapping[str, Scene]) -> None:
-    """Raise ValueError, before anything is run, where one of the scenes may not write to its folder."""
+def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Running) -> Iterator[Outcome]:
+    """Run the scenes of a plan and yield how each ended, as they end; none is kept in memory.
+
+    Raises ValueError before anything is run where a folder may not be written to, and Interrupted for Ctrl-C.
+    """
+    warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
+    base = base_folder(case, request)
+    jobs = [
+        Job(case.path, one.name, one.scene, base / folder_name(one.name), one.provenance)
+        for one in plan
+        if one.scene is not None
+    ]
     for job in jobs:
         try:
-            document, _ = stored(scenes[job.name])
-            check_folder(job.folder, document, resume=job.resume, overwrite=job.overwrite)
+            document, _ = stored(job.scene)
+            check_folder(job.folder, document, resume=running.resume, overwrite=running.overwrite)
         except ValueError as error:
-            raise _of_scene(job, error) from error
-
-
-def _without_result(names: Iterable[str], base: Path) -> list[str]:
-    return [name for name in names if not (base / folder_name(name) / "states").is_dir()]
-
-
-def _warn_if_coarse(results: Mapping[str, Result]) -> None:
-    few = min((r.scene.body.elements_through_cortex for r in results.values()), default=float("inf"))
+            raise ValueError(f"{case.path}, scene {job.name!r}: {error}") from error
+    few = min((job.scene.body.elements_through_cortex for job in jobs), default=float("inf"))
     if words := coarseness(few):
         print(f"turingfold: note: {words}", file=sys.stderr)
+    try:
+        with progress({job.name: job.scene for job in jobs}) as report:
+            yield from run_jobs(jobs, running, report)
+    except KeyboardInterrupt as error:
+        at_a_time = ("--jobs", str(running.jobs)) if running.jobs > 1 else ()
+        raise Interrupted(request.words(*at_a_time, "--resume")) from error
 
 
-def results_of(case: Case, options: argparse.Namespace) -> Path:
-    """Return the folder of a case's results: DIR/<case>, by default in results or results/quick."""
-    out: Path = options.out or (Path("results/quick") if options.quick else Path("results"))
-    return out / case.name
+def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
+    """Say what did not end as asked, and how to go on; return the exit status."""
+    for end in ends:
+        if end.status == "refused":
+            complain(f"{case.path}, scene {end.name!r}: {end.message}")
+        elif end.status == "killed":
+            again = request.with_only([end.name] if request.command[0] == "run" else request.only)
+            complain(f"{end.name}: {end.message} Go on with: {again.words('--resume')}")
+        elif end.message:
+            complain(f"{end.name}: {end.message}")
+    return max((STATUSES[end.status] for end in ends), default=0)
 
 
 def write_table(path: Path, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a table as CSV, at once, and say where; None is written as nothing."""
+    """Write a table as CSV, at once; None is written as nothing."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows(rows)
     write_whole(path, text.getvalue().encode())
-    print(f"table: {path}")
 
 
-def draw(case: Case, options: argparse.Namespace) -> Path:
-    """Draw a case's figure from its stored results and return where it is."""
-    if case.draw is None:
-        raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
-    base = results_of(case, options)
-    names = _drawn(case, options)
-    if missing := _without_result(names, base):
-        which = "no results" if len(missing) == len(names) else f"no results of {', '.join(missing)}"
-        if case.variation:  # of which single scenes cannot be chosen
-            command = run_command(options, options.only or (), "--resume")
-        else:
-            command = run_command(options, missing if len(missing) < len(names) else ())
+def draw(request: Request) -> Path:
+    """Draw a case's figure from its stored results and return where it is; raises ValueError without them."""
+    case = find_case(request.case)
+    base, names = base_folder(case, request), [one.name for one in planned(case, request)]
+    if missing := without_result(base, names):
+        some = len(missing) < len(names)
+        which = f"no results of {', '.join(missing)}" if some else "no results"
+        command = request.with_only(missing if some else ()).words()
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: read_result(base / folder_name(name), known=case.known) for name in names}
-    apart = bool(options.quick or options.out is not None or case.variation)
-    path = figure_path(case.path.with_stem(case.name), base, apart=apart)
+    return drawn(case, results, request)
+
+
+def drawn(case: Case, results: dict[str, Result], request: Request) -> Path:
+    """Draw a case's figure from results and return where it is; raises ValueError for a case without draw."""
+    if case.draw is None:
+        raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
+    apart = bool(request.quick or request.out is not None or request.assigned)
+    path = figure_path(case.path, base_folder(case, request), apart=apart)
     with explained(case.path), save_figure(path) as figure:
         case.draw(results, figure)
         mark_unfinished(figure, results)
     return path
-
-
-def _drawn(case: Case, options: argparse.Namespace) -> dict[str, Scene]:
-    """Return the scenes that the figure shows: all of a case, the chosen ones of a variation."""
-    return case.scenes(quick=options.quick, only=(options.only or ()) if case.variation else ())
-
-
-def _in_turn(jobs: list[Job], scenes: Mapping[str, Scene], report: Report) -> dict[str, str]:
-    """Run scenes one after the other; return the messages of those that stopped."""
-    stopped = {}
-    for job in jobs:
-        spent = 0
-
-        def show(row: Row, name: str = job.name) -> None:
-            nonlocal spent
-            spent += int(row["newton_iterations"])
-            report(name, row, spent)
-
-        try:
-            simulate(
-                scenes[job.name], job.folder, progress=show, resume=job.resume, overwrite=job.overwrite
-            )
-        except SolveError as error:
-            stopped[job.name] = str(error)
-        except ValueError as error:
-            raise _of_scene(job, error) from error
-    return stopped
-
-
-def _together(
-    jobs: list[Job], scenes: Mapping[str, Scene], count: int, report: Report
-) -> dict[str, str]:
-    """Run scenes in `count` processes; return the messages of those that stopped.
-
-    The processes get the scenes as they are stored: a case may take long to make them. Ctrl-C reaches this
-    process only; the others stop after the step they are in.
-    """
-    context = get_context("spawn")
-    halt = context.Event()
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the processes inherit this
-    with ProcessPoolExecutor(count, mp_context=context, initializer=_prepare, initargs=(halt,)) as pool:
-        futures = {pool.submit(_alone, job, *stored(scenes[job.name])): job for job in jobs}
-        signal.signal(signal.SIGINT, handler)
-        running: set[Future[str]] = set(futures)
-        try:
-            while running:
-                done, running = wait(running, timeout=POLL)
-                for future in [*done, *(f for f in running if f.running())]:
-                    rows = read_history(futures[future].folder)
-                    if rows:
-                        spent = int(sum(row["newton_iterations"] for row in rows))
-                        report(futures[future].name, rows[-1], spent)
-                for future in done:
-                    if isinstance(error := future.exception(), ValueError):
-                        raise _of_scene(futures[future], error) from error
-                    future.result()
-        except BaseException:
-            halt.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
-        return {job.name: future.result() for future, job in futures.items() if future.result()}
-
-
-def _of_scene(job: Job, error: ValueError) -> ValueError:
-    return ValueError(f"{job.case}, scene {job.name!r}: {error}")
-
-
-_halt: list[Event] = []  # of this process, set by the one that started it
-
-
-def _prepare(halt: Event) -> None:
-    logging.getLogger("skfem").setLevel(logging.ERROR)
-    warnings.simplefilter("ignore", CoarseMeshWarning)
-    _halt.append(halt)
-
-
-def _alone(job: Job, document: dict[str, Any], arrays: Arrays) -> str:
-    """Run one stored scene in a process of its own; return why it stopped, or nothing."""
-
-    def heed(row: Row) -> None:
-        if any(halt.is_set() for halt in _halt):
-            raise KeyboardInterrupt
-
-    scene = rebuilt(document, arrays, load_case(job.case).known)
-    try:
-        simulate(scene, job.folder, progress=heed, resume=job.resume, overwrite=job.overwrite)
-    except SolveError as error:
-        return str(error)
-    return ""
 
 
 @contextmanager

@@ -1,12 +1,10 @@
-"""What the command line leaves behind: exit statuses, errors in readable lines, the command to run next."""
+"""What the command line leaves behind: exit statuses, and lines on standard output and error."""
 
 from __future__ import annotations
 
-import argparse
-import shlex
+import os
 import sys
 import textwrap
-from collections.abc import Iterable
 
 BAD_INPUT = 2
 STOPPED = 3  # a solve
@@ -16,20 +14,18 @@ INTERRUPTED = 130
 WIDTH = 100
 
 
+def say(text: str) -> None:
+    """Print a line at once; where nobody reads any more (`| head`), go on in silence."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        silence = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silence, sys.stdout.fileno())
+        os.close(silence)
+
+
 def complain(message: str) -> None:
     """Print an error: tables keep their columns, long sentences are wrapped."""
     for line in f"turingfold: {message}".splitlines():
         wrapped = textwrap.fill(line, WIDTH, break_on_hyphens=False) if len(line) > WIDTH else line
         print(wrapped, file=sys.stderr)
-
-
-def run_command(options: argparse.Namespace, only: Iterable[str], *more: str) -> str:
-    """Return the command that runs some scenes of a case, or all for none, to the same place."""
-    command, arguments = "run", ()
-    if options.variation is not None:
-        command, arguments = options.variation.command, options.variation.arguments
-    words = ["turingfold", command, str(options.case), *arguments]
-    words += ["--quick"] if options.quick else []
-    words += ["--out", str(options.out)] if options.out else []
-    words += [word for name in only for word in ("--only", name)]
-    return shlex.join([*words, *more])

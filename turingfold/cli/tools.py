@@ -2,65 +2,57 @@
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .figure import save_figure
+from .request import Assignments
 
 if TYPE_CHECKING:
     from ..arrays import Array
-    from ..turing.kinetics.base import Kinetics
 
 ELEMENTS = 4  # through the cortex
 
 
-def stability(options: argparse.Namespace) -> str:
+@dataclass(frozen=True)
+class Stability:
+    """What is asked of a kinetics; parameters as text, lengths in m, `half_waves` on a semi-circle."""
+
+    kinetics: str
+    parameters: Assignments = ()
+    ratio: float | None = None
+    half_waves: int | None = None
+    radius: float = 0.0404
+    thickness: float = 2.5e-3
+    figure: Path | None = None
+
+
+def stability(asked: Stability) -> str:
     """Return the Turing conditions of a kinetics as text, and with half waves the modes of a semi-circle.
 
     Raises ValueError for unknown names and for half waves that the body cannot hold.
     """
-    from ..checks import positive
     from ..geometry.shapes import semicircle
+    from ..turing.kinetics.named import kinetics_named
     from ..turing.report import stability_report
 
     body = None
-    if options.half_waves is not None:
-        T = positive("thickness", options.thickness)
-        body = semicircle(radius=options.radius, thickness=T, size=T / ELEMENTS)
-    kinetics = _kinetics(options.kinetics, options.param)
-    report = stability_report(kinetics, options.ratio, body, options.half_waves or 1)
-    if options.figure is None:
-        return str(report)
-    with save_figure(options.figure) as canvas:
-        report.draw(canvas.add_subplot())
-    return f"{report}\nfigure: {options.figure}"
-
-
-def _kinetics(name: str, parameters: Iterable[str]) -> Kinetics:
-    from ..turing.kinetics import concentrations, deviations
-    from ..turing.kinetics.base import Kinetics
-
-    known = {
-        word: item
-        for module in (concentrations, deviations)
-        for word, item in vars(module).items()
-        if isinstance(item, type) and issubclass(item, Kinetics) and item is not Kinetics
-    }
-    if name not in known:
-        raise ValueError(f"there are no kinetics {name!r}; known are {', '.join(sorted(known))}.")
-    own = known[name]().parameters
+    if asked.half_waves is not None:
+        body = semicircle(radius=asked.radius, thickness=asked.thickness, elements=ELEMENTS)
     values = {}
-    for text in parameters:
-        word, _, value = text.partition("=")
-        if word not in own:
-            raise ValueError(f"{name} has no parameter {word!r}; it has {', '.join(own)}.")
+    for word, text in asked.parameters:
         try:
-            values[word] = float(value)
+            values[word] = float(text)
         except ValueError as error:
-            raise ValueError(f"--param {text} is not of the form NAME=VALUE with a number.") from error
-    return known[name](**values)
+            raise ValueError(f"--param {word}={text} is not of the form NAME=VALUE with a number.") from error
+    kinetics = kinetics_named(asked.kinetics, **values)
+    report = stability_report(kinetics, asked.ratio, body, asked.half_waves or 1)
+    if asked.figure is None:
+        return str(report)
+    with save_figure(asked.figure) as canvas:
+        report.draw(canvas.add_subplot())
+    return f"{report}\nfigure: {asked.figure}"
 
 
 def compare(a: Path, b: Path, figure: Path | None) -> str:

@@ -74,26 +74,33 @@ def grid(
 ) -> list[Axes]:
     """Draw a panel for each title, all on one scale, with a letter, the numbers and possibly a note below.
 
-    panels: result and step by title.  width: of a panel, inch.  Returns the Axes in the order of the panels.
+    panels: result and step by title, each looked up once: they may be loaded only then.  width: of a panel,
+    inch.  Returns the Axes in the order of the panels.
     """
     rows = -(-len(panels) // columns)
-    boxes = [_box(result, step) for result, step in panels.values()]
-    low, high = np.min([a for a, _ in boxes], axis=0), np.max([b for _, b in boxes], axis=0)
-    height = width * float((high - low)[1] / (high - low)[0])
-    figure.set_size_inches(columns * width, rows * (height + 0.62))
-    found = []
+    found, boxes = [], []
     for k, (title, (result, step)) in enumerate(panels.items()):
         axes = figure.add_subplot(rows, columns, k + 1)
         layers(axes, result, step)
-        axes.set_xlim(low[0], high[0])
-        axes.set_ylim(low[1], high[1])
-        axes.set_title(f"$\\bf{{{chr(ord('a') + k)}}}$  {title}", loc="left", fontsize=9)
+        boxes.append(_box(result, step))
+        axes.set_title(f"$\\bf{{{_letter(k)}}}$  {title}", loc="left", fontsize=9)
         below = numbers(result, step)
         if notes and title in notes:
             below += "\n" + notes[title]
         axes.text(0.5, -0.02, below, transform=axes.transAxes, ha="center", va="top", fontsize=8)
         found.append(axes)
+    low, high = np.min([a for a, _ in boxes], axis=0), np.max([b for _, b in boxes], axis=0)
+    for axes in found:
+        axes.set_xlim(low[0], high[0])
+        axes.set_ylim(low[1], high[1])
+    height = width * float((high - low)[1] / (high - low)[0])
+    figure.set_size_inches(columns * width, rows * (height + 0.62))
     return found
+
+
+def _letter(k: int) -> str:
+    """Return a, b, ..., z, aa, ab, ..."""
+    return (_letter(k // 26 - 1) if k >= 26 else "") + chr(ord("a") + k % 26)
 
 
 def nearest_step(result: Result, time: float) -> int:

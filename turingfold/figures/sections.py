@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..checks import one_of
 from ..geometry.body import Body
 from ..growth.measure import largest_growth
-from ..parts import Term, TimeStep
+from ..parts import Load, Term, TimeStep
 from ..results.result import Result, along_pial, length_unit, pial_closed, stress_unit
 from ..scene import Scene
 from ..state import State
@@ -214,9 +214,11 @@ def scale_bar(axes: Axes, body: Body) -> None:
 def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None:
     """Draw the whole story of a scene: activator, load of `term`, outlines, folded section.
 
-    The panels of the activator and of the load are left out where there is none.
+    term: by default the first load of the scene.  The panels of the activator and of the load are left out
+    where there is none.
     """
     scene, state = result.scene, result.last
+    term = term or next((own for own in scene.terms if isinstance(own, Load)), None)
     story: dict[str, Callable[[Axes], None]] = {}
     if "pattern" in state:
         story["activator on the cortical band"] = lambda axes: activator(axes, result)

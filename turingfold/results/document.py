@@ -17,12 +17,13 @@ FORMAT = 3
 PACKAGES = ("turingfold", "numpy", "scipy", "scikit-fem", "ipctk", "cvxopt")
 
 
-def stored(scene: Scene) -> tuple[dict[str, Any], Arrays]:
-    """Return the content of scene.json and body.npz."""
+def stored(scene: Scene, case: Mapping[str, Any] | None = None) -> tuple[dict[str, Any], Arrays]:
+    """Return the content of scene.json and body.npz; case: what the scene comes from, if from a case."""
     arrays: Arrays = {}
     encoded = encode(scene, arrays)
     document = {
         "format": FORMAT,
+        **({"case": dict(case)} if case else {}),
         "scene": encoded,
         "arrays": {"file": "body.npz", "sha256": digest(arrays)},
         "versions": {"python": platform.python_version(), "machine": platform.machine(), **_versions()},

@@ -58,14 +58,17 @@ class ResultFolder:
     written.
     """
 
-    def __init__(self, path: Path, scene: Scene, *, resume: bool = False, overwrite: bool = False) -> None:
-        """Claim the folder for a scene."""
+    def __init__(
+        self, path: Path, scene: Scene, *, resume: bool = False, overwrite: bool = False,
+        case: Mapping[str, Any] | None = None,
+    ) -> None:  # fmt: skip
+        """Claim the folder for a scene; case: see `document.stored`."""
         self.path, self.scene = path, scene
         self._rows: list[Row] = []
         self._columns = list(COLUMNS)
         self._history: TextIO | None = None
         self._index: list[tuple[float, str]] = []
-        self._claim(*stored(scene), resume=resume, overwrite=overwrite)
+        self._claim(*stored(scene, case), resume=resume, overwrite=overwrite)
 
     def __enter__(self) -> ResultFolder:
         """Return the folder."""
@@ -216,7 +219,7 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         return
     if overwrite:
         return
-    other = difference(read_json(described), document, ignoring=("versions", "scene.stepping.seconds"))
+    other = difference(read_json(described), document, ignoring=("versions", "case", "scene.stepping.seconds"))
     if resume and other:
         raise ValueError(
             f"{path} holds the result of another scene: {other}. Resume with the scene it was "

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..checks import instance, whole
 from ..errors import NotConvergedError, SolveError
@@ -51,6 +51,7 @@ def simulate(
     resume: bool = False,
     overwrite: bool = False,
     frames: int = 20,
+    case: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a scene to its end and return every accepted state.
 
@@ -59,6 +60,7 @@ def simulate(
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
     overwrite: replace a result that `out` holds; not with `resume`.
     frames: states kept on disk, evenly spaced in time.
+    case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
     Warns (CoarseMeshWarning) of fewer than four elements through a growing cortex.
@@ -78,7 +80,7 @@ def simulate(
         return _Run(scene, frames, progress).to_the_end()
     from .folder import ResultFolder
 
-    with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite) as folder:
+    with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite, case=case) as folder:
         return _Run(scene, frames, progress, folder).to_the_end()
 
 

@@ -8,12 +8,9 @@ from dataclasses import fields, is_dataclass, replace
 from itertools import combinations, permutations, product
 from typing import Any
 
-import numpy as np
-
 from ..checks import instance
+from ..models.declared import Declared, Parameter, as_text
 from ..scene import Scene
-
-SWITCHES = {"true": True, "false": False, "on": True, "off": False}
 
 
 def varied(scene: Scene, values: Mapping[str, Sequence[Any]]) -> dict[str, Scene]:
@@ -28,17 +25,28 @@ def varied(scene: Scene, values: Mapping[str, Sequence[Any]]) -> dict[str, Scene
     one name, and for a parameter beside a part of it, such as "AxonalTension" and "AxonalTension.strength".
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    found = {}
+    for name, chosen in named_combinations(values).items():
+        changed = scene
+        for parameter, value in chosen.items():
+            changed = _with(changed, parameter, value)
+        found[name] = changed
+    return found
+
+
+def named_combinations(values: Mapping[str, Sequence[Any]]) -> dict[str, dict[str, Any]]:
+    """Return each combination of values, by names such as "cortex=1.7, strength=0.5"; see `varied`.
+
+    Raises ValueError for no values, values of one name, and a parameter beside a part of it.
+    """
     _check(values)
     labels = _labels(values)
     for parameter, listed in values.items():
         _check_names(parameter, [_named(labels[parameter], value) for value in listed], listed)
-    found = {}
-    for combination in product(*values.values()):
-        changed = scene
-        for parameter, value in zip(values, combination, strict=True):
-            changed = _with(changed, parameter, value)
-        found[", ".join(map(_named, labels.values(), combination))] = changed
-    return found
+    return {
+        ", ".join(map(_named, labels.values(), combination)): dict(zip(values, combination, strict=True))
+        for combination in product(*values.values())
+    }
 
 
 def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
@@ -47,26 +55,25 @@ def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
     text: "1.5,1.7,1.9", or "1.5:1.9:3" for three evenly spaced numbers, whole ones where it is whole now.
     Raises ValueError for another kind of values, and for parameters that are no number, word or switch.
     """
+    if "." not in parameter:
+        _part(scene, parameter)
+        return text.split(",")
     part, *names = parameter.split(".")
-    now = value_of(scene, parameter) if names else _part(scene, part)
-    words = text.split(",")
-    try:
-        if not names or isinstance(now, str):
-            return words
-        if isinstance(now, bool):
-            return [SWITCHES[word] for word in words]
-        if not isinstance(now, (int, float)):
-            raise ValueError(f"{parameter} is neither a number nor a word")
-        if ":" in text:
-            start, stop, count = text.split(":")
-            spaced: list[float] = np.linspace(float(start), float(stop), int(count)).tolist()
-            return [_whole(value) for value in spaced] if isinstance(now, int) else spaced
-        return [int(word) if isinstance(now, int) and word.isdecimal() else float(word) for word in words]
-    except (ValueError, KeyError) as error:
-        raise ValueError(
-            f"{parameter}={text}: it is {now!r} in the case; list values of that kind, such as "
-            f"{_example(now)}."
-        ) from error
+    owner = _part(scene, part)
+    for name in names[:-1]:
+        owner = _value(owner, name, parameter)
+    now = _value(owner, names[-1], parameter)
+    if not isinstance(now, str | int | float):
+        raise ValueError(f"{parameter} is {now!r}, neither a number nor a word; vary one of its values.")
+    kind: type = type(now)
+    if kind is int:  # perhaps a whole number in the place of any
+        kind = int if _types(owner)[names[-1]] in (int, "int") else float
+    return Declared(parameter, kind, now, Parameter()).read_list(text)
+
+
+def is_part(parameter: str) -> bool:
+    """Return whether a name is one of a part, or of a value of it, and not of a case's parameter."""
+    return "." in parameter or parameter[:1].isupper()
 
 
 def value_of(scene: Scene, parameter: str) -> Any:
@@ -78,18 +85,6 @@ def value_of(scene: Scene, parameter: str) -> Any:
     for name in names:
         now = _value(now, name, parameter)
     return now
-
-
-def _whole(value: float) -> int:
-    if not value.is_integer():
-        raise ValueError(f"{value:g} is not whole")
-    return int(value)
-
-
-def _example(now: Any) -> str:
-    if isinstance(now, bool):
-        return "on,off"
-    return "1,2,3 or 1:3:3" if isinstance(now, int) else "1.5,1.7 or, for numbers, 1:2:5"
 
 
 def _check(values: Mapping[str, Sequence[Any]]) -> None:
@@ -127,7 +122,7 @@ def _labels(parameters: Iterable[str]) -> dict[str, str]:
 
 
 def _named(label: str, value: Any) -> str:
-    return f"{label}={value:.6g}" if isinstance(value, float) else f"{label}={value}"
+    return f"{label}={as_text(value)}"
 
 
 def _with(scene: Scene, parameter: str, value: Any) -> Scene:
@@ -172,9 +167,18 @@ def _part(scene: Scene, name: str) -> Any:
 
 
 def _value(part: Any, name: str, parameter: str) -> Any:
+    if isinstance(part, Scene) and name == "body":
+        raise ValueError(
+            f"{parameter} would leave the mesh, and all that is made from it, as it is; vary the parameter "
+            "of the case that its body is made with (turingfold list CASE names them), or make another body."
+        )
     if not is_dataclass(part) or name not in _own(part):
         raise ValueError(f"{parameter}: {type(part).__name__} has no {name!r}; it has: {_names(part)}.")
     return getattr(part, name)
+
+
+def _types(part: Any) -> dict[str, Any]:
+    return {field.name: field.type for field in fields(part)}
 
 
 def _own(part: Any) -> Iterable[str]:

@@ -1,0 +1,104 @@
+"""What a command is to run: scenes with their names, parameters and folders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..models.declared import as_text, find
+from ..scene import Scene
+from ..studies.sweep import is_part, read_values, varied
+from .case import Case, check_apart, folder_name
+from .request import Request
+
+
+@dataclass(frozen=True)
+class Planned:
+    """One scene to run.
+
+    varied: values that a study gave it, by parameter.  provenance: what is stored of the case.
+    refused: why the scene cannot be made, then there is none.
+    """
+
+    name: str
+    scene: Scene | None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    varied: Mapping[str, Any] = field(default_factory=dict)
+    refused: str = ""
+
+
+def given_values(case: Case, request: Request) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the values that the request sets: of the case's parameters, and as text of parts of its scenes.
+
+    Raises ValueError for unknown names, for values out of range or of another kind, and for names set twice.
+    """
+    own: dict[str, Any] = {}
+    parts: dict[str, str] = {}
+    for name, text in request.assigned:
+        if name in own or name in parts:
+            raise ValueError(f"{name} is set twice; set it once.")
+        if is_part(name):
+            parts[name] = text
+        else:
+            own[name] = find(case.parameters, name).read(text)
+    return own, parts
+
+
+def planned(case: Case, request: Request, more: Mapping[str, Any] | None = None) -> list[Planned]:
+    """Return the scenes of a case as the request sets their parameters; `more`: values of further ones.
+
+    Raises ValueError for scenes that it does not have.
+    """
+    own, parts = given_values(case, request)
+    own |= more or {}
+    every = case.scenes(own, quick=request.quick)
+    check_apart(every, case.path)
+    if unknown := [name for name in request.only if name not in every]:
+        names = ", ".join(map(repr, every))
+        raise ValueError(f"{case.path} has no scene {unknown[0]!r}; it has: {names}.")
+    provenance = case.provenance(own, quick=request.quick) | {"scenes": list(every)}
+    if parts:
+        provenance["parts"] = parts
+    return [
+        Planned(name, _with_parts(name, scene, parts), provenance | {"scene": name})
+        for name, scene in every.items()
+        if not request.only or name in request.only
+    ]
+
+
+def _with_parts(name: str, scene: Scene, parts: Mapping[str, str]) -> Scene:
+    for parameter, text in parts.items():
+        try:
+            values = read_values(text, scene, parameter)
+            if len(values) != 1:
+                raise ValueError(f"{parameter}={text} lists {len(values)} values; set one, or sweep --vary.")
+            (scene,) = varied(scene, {parameter: values}).values()
+        except ValueError as error:
+            raise ValueError(f"scene {name!r}: {error}") from error
+    return scene
+
+
+def base_folder(case: Case, request: Request) -> Path:
+    """Return the folder of a case's results: DIR/<case>, by default in results or results/quick."""
+    out = request.out or (Path("results/quick") if request.quick else Path("results"))
+    command = request.command[0]
+    return out / (case.name if command == "run" else f"{case.name}-{command}")
+
+
+def has_result(base: Path, name: str) -> bool:
+    """Return whether a folder holds something of a scene's result."""
+    return (base / folder_name(name) / "states").is_dir()
+
+
+def changed_words(provenance: Mapping[str, Any]) -> str:
+    """Return the parameters that differ from the case's own, as text; "" if none does."""
+    values = provenance.get("parameters", {})
+    words = [f"{name}={as_text(values[name])}" for name in provenance.get("changed", ())]
+    return ", ".join(words + [f"{name}={text}" for name, text in provenance.get("parts", {}).items()])
+
+
+def without_result(base: Path, names: Sequence[str]) -> list[str]:
+    """Return the scenes of which a folder holds no result."""
+    return [name for name in names if not has_result(base, name)]

@@ -1,0 +1,170 @@
+"""Scenes run in this process one after the other, or in several processes at a time.
+
+A process gets a scene as it is stored, for a case may take long to make it, and sends back each row of its
+history. One that is killed takes only its scene with it; all end when the process that started them does.
+"""
+
+from __future__ import annotations
+
+import logging
+import signal
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import connection, get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from ..errors import SolveError
+from ..results.document import rebuilt, stored
+from ..results.result import Row
+from ..results.simulate import CoarseMeshWarning, simulate
+from ..scene import Scene
+from .case import load_case
+from .request import Running
+
+Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene to run: file of its case, its name, folder of its result, and what is stored with that."""
+
+    case: Path
+    name: str
+    scene: Scene
+    folder: Path
+    provenance: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended, and why: that of the result, "refused" (bad input) or "killed"."""
+
+    name: str
+    status: str
+    message: str = ""
+
+
+def run_jobs(jobs: Sequence[Job], running: Running, report: Report) -> Iterator[Outcome]:
+    """Run scenes and yield how each ended, as they end. Raises OSError where results cannot be written."""
+    if running.jobs == 1:
+        for job in jobs:
+            yield _run(job.name, job.scene, job.folder, job.provenance, running, _counting(job.name, report))
+    else:
+        yield from _together(jobs, running, report)
+
+
+def _run(
+    name: str, scene: Scene, folder: Path, provenance: Mapping[str, Any], running: Running,
+    progress: Callable[[Row], object],
+) -> Outcome:  # fmt: skip
+    try:
+        result = simulate(
+            scene, folder, progress=progress, resume=running.resume, overwrite=running.overwrite,
+            case=provenance,
+        )  # fmt: skip
+    except SolveError as error:
+        return Outcome(name, "stopped", str(error))
+    except ValueError as error:
+        return Outcome(name, "refused", str(error))
+    return Outcome(name, result.status, result.message)
+
+
+def _counting(name: str, report: Report) -> Callable[[Row], None]:
+    spent = 0
+
+    def progress(row: Row) -> None:
+        nonlocal spent
+        spent += int(row["newton_iterations"])
+        report(name, row, spent)
+
+    return progress
+
+
+@dataclass(frozen=True)
+class _Worker:
+    process: Any
+    link: Connection
+
+
+def _together(jobs: Sequence[Job], running: Running, report: Report) -> Iterator[Outcome]:
+    waiting = deque(jobs)
+    busy: dict[_Worker, tuple[Job, Callable[[Row], None]]] = {}
+    idle: list[_Worker] = []
+    try:
+        while waiting or busy:
+            while waiting and len(busy) < running.jobs:
+                worker = idle.pop() if idle else _started()
+                job = waiting.popleft()
+                message = (job.case, job.name, *stored(job.scene), job.folder, job.provenance, running)
+                worker.link.send(message)
+                busy[worker] = job, _counting(job.name, report)
+            for link in connection.wait([worker.link for worker in busy]):
+                worker = next(own for own in busy if own.link is link)
+                job, progress = busy[worker]
+                try:
+                    sent = worker.link.recv()
+                except (EOFError, OSError):
+                    del busy[worker]
+                    yield Outcome(job.name, "killed", _death(worker.process))
+                    continue
+                if isinstance(sent, dict):
+                    progress(sent)
+                    continue
+                del busy[worker]
+                idle.append(worker)
+                if isinstance(sent, BaseException):
+                    raise sent
+                yield sent
+    finally:
+        for worker in [*busy, *idle]:
+            worker.link.close()  # they end after the step they are in
+        for worker in [*busy, *idle]:
+            worker.process.join()
+
+
+def _started() -> _Worker:
+    """Start a process; Ctrl-C reaches the one that started it only."""
+    context = get_context("spawn")
+    link, other = context.Pipe()
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process inherits this
+    try:
+        process = context.Process(target=_serve, args=(other,), daemon=True)
+        process.start()
+    finally:
+        signal.signal(signal.SIGINT, handler)
+    other.close()
+    return _Worker(process, link)
+
+
+def _death(process: Any) -> str:
+    process.join()
+    code = process.exitcode or 0
+    by = f"by {signal.Signals(-code).name}" if code < 0 else f"with status {code}"
+    return f"the process that ran it ended {by}; was there enough memory?"
+
+
+def _serve(link: Connection) -> None:
+    """Run the scenes that are sent until the other end of the link is closed."""
+    logging.getLogger("skfem").setLevel(logging.ERROR)
+    warnings.simplefilter("ignore", CoarseMeshWarning)
+
+    def progress(row: Row) -> None:
+        try:
+            link.send(row)
+        except OSError:  # the process that started this one has ended, or was told to
+            raise KeyboardInterrupt from None
+
+    with suppress(EOFError, OSError, KeyboardInterrupt):
+        while True:
+            path, name, document, arrays, folder, provenance, running = link.recv()
+            try:
+                scene = rebuilt(document, arrays, load_case(path).known)
+                answer: Any = _run(name, scene, folder, provenance, running, progress)
+            except OSError as error:  # results cannot be written: nor can those of the other scenes
+                answer = error
+            link.send(answer)

@@ -1,0 +1,56 @@
+"""The parameters that cases share: annotations for the keyword arguments of `scenes`.
+
+    from turingfold import parameters as p
+
+    @p.quick(elements=2)
+    def scenes(quick=False, *, radius: p.Radius = 0.0404, elements: p.Elements = 6): ...
+
+A parameter of one's own: `Annotated[float, Parameter("m", 0.01, 0.1, "width of the zone")]`. Bodies of the
+ferret are in units of their radius and of the shear modulus, with time in units of their own.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from ..turing.kinetics.named import KINETICS
+from .declared import Parameter as Parameter
+from .declared import quick as quick
+
+GROWTH = "it is a factor: 1 is no growth, 1.9 growth by 90 per cent"
+MODULUS = (1.0, 1e6)  # Pa
+
+# the brain of document 1
+Radius = Annotated[float, Parameter("m", 0.005, 0.2, "radius of the brain")]
+Width = Annotated[float, Parameter("m", 0.01, 0.4, "width of the brain along its base")]
+Height = Annotated[float, Parameter("m", 0.005, 0.2, "height of the brain")]
+Thickness = Annotated[float, Parameter("m", 1e-4, 0.02, "thickness of the cortex")]
+Elements = Annotated[float, Parameter("", 1, 24, "elements through the cortex")]
+Base = Annotated[str, Parameter(label="what holds the base", choices=("clamped", "roller", "free"))]
+YoungGray = Annotated[float, Parameter("Pa", *MODULUS, "Young's modulus of gray matter")]
+YoungWhite = Annotated[float, Parameter("Pa", *MODULUS, "Young's modulus of white matter")]
+Poisson = Annotated[float, Parameter("", 0.0, 0.4999, "Poisson's ratio of both layers")]
+TwoLayers = Annotated[bool, Parameter(label="white matter has a modulus of its own (DGH)")]
+Cortex = Annotated[float, Parameter("", 0.3, 5, "tangential growth of the cortex", remedy=GROWTH)]
+Core = Annotated[float, Parameter("", 0.3, 5, "tangential growth of the core", remedy=GROWTH)]
+RadialCore = Annotated[float, Parameter("", 0.3, 5, "radial growth of the core", remedy=GROWTH)]
+Tension = Annotated[bool, Parameter(label="axons pull (ATH)")]
+Strength = Annotated[float, Parameter("N/m", 0, 10, "line tension of axons on the gray-white interface")]
+Traction = Annotated[float, Parameter("Pa", 0, 5e3, "traction of axons on the pial surface")]
+Patches = Annotated[int, Parameter("", 1, 200, "places where axons pull without a pattern")]
+Pattern = Annotated[bool, Parameter(label="a Turing pattern says where axons pull (IPH)")]
+Kinetics = Annotated[str, Parameter(label="kinetics of the morphogens", choices=tuple(KINETICS))]
+HalfWaves = Annotated[int, Parameter("", 1, 200, "half waves of the pattern along the pial surface")]
+Density = Annotated[float, Parameter("kg/m³", 1, 2e4, "density")]
+Pace = Annotated[float, Parameter("", 1e-3, 1e6, "time of the kinetics in the time of growth")]
+Seed = Annotated[int, Parameter("", 0, 2**31, "seed of what is random")]
+
+# the brain of document 2
+RelativeThickness = Annotated[float, Parameter("R", 0.01, 0.5, "thickness of the cortex, in radii")]
+BulkRatio = Annotated[float, Parameter("", 1, 1e3, "bulk over shear modulus")]
+Rate = Annotated[float, Parameter("", -5, 5, "relative tangential growth per unit of time")]
+Thinning = Annotated[float, Parameter("", 0, 1, "share of its thickness that the cortex loses per time")]
+Amplitude = Annotated[float, Parameter("", 0, 0.5, "amplitude of the noise in the cortex's growth")]
+Drag = Annotated[float, Parameter("", 0, 1e4, "drag per area")]
+Until = Annotated[float, Parameter("", 1e-3, 2, "time at the end")]
+Steps = Annotated[int, Parameter("", 1, 10_000, "equal steps")]
