@@ -52,7 +52,7 @@ SHORT = 2.0  # s
 def disc(across, growth, stepping, **mesh):
     """Return half of a half disc on rollers, which is a disc in its even modes."""
     body = half(semicircle(radius=1.0, thickness=DISC, size=DISC / across, base="roller", **mesh))
-    grow = TangentialGrowth(cortex=growth, layers="sharp")
+    grow = TangentialGrowth(cortex=growth)
     solid = Elastic(gray=NeoHookean(mu=MU, kappa=KAPPA))
     return Scene(body=body, processes=(grow,), terms=(solid,), stepping=stepping)
 

@@ -20,6 +20,8 @@ CASE = '''"""A patch of cortex that grows. Less than a second.
 
     turingfold run tiny.py
 """
+import os
+import signal
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,23 +29,33 @@ import numpy as np
 from turingfold import (
     Elastic, NeoHookean, NotConvergedError, Scene, Stepping, TangentialGrowth, semicircle
 )
+from turingfold.extend import Evolution, Process
 
 
 @dataclass(frozen=True)
-class Stumbles:
+class Stumbles(Process):
     """Growth by nothing that fails after half of the time."""
 
     how: str
-    reads: tuple[str, ...] = ()
-    writes: tuple[str, ...] = ("growth",)
+    writes = ("growth",)
 
-    def start(self, body, state, seed):
-        return {"growth": np.ones((3, *body.quadrature.weights.shape))}
+    def on(self, body):
+        return Stumbling(self.how, body)
 
-    def advance(self, body, state, dt):
-        if state.time > 0.5 and self.how == "interrupt":
+
+class Stumbling(Evolution):
+    def __init__(self, how, body):
+        self.how, self.body = how, body
+
+    def start(self, state, seed):
+        return {"growth": np.ones((3, *self.body.quadrature.weights.shape))}
+
+    def advance(self, before, now, dt):
+        if before.time > 0.5 and self.how == "interrupt":
             raise KeyboardInterrupt
-        if state.time > 0.5:
+        if before.time > 0.5 and self.how == "die":
+            os.kill(os.getpid(), signal.SIGKILL)
+        if before.time > 0.5:
             raise NotConvergedError("it stumbled over a " + 20 * "long " + "sentence")
         return {}
 
@@ -67,6 +79,7 @@ def draw(results, figure):
 GROWS = 'parts = {"grows": grow}'
 TWO = 'parts = {"first one": grow, "second one": TangentialGrowth(cortex=1.1)}'
 STOPS = 'parts = {"stops": Stumbles("stop"), "grows": grow}'
+DIES = 'parts = {"dies": Stumbles("die"), "grows": grow}'
 INTERRUPTED = 'parts = {"interrupted": Stumbles("interrupt")}'
 
 

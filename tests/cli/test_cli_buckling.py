@@ -10,9 +10,9 @@ from turingfold import (
 )
 
 def scenes(quick=False):
-    body = semicircle(radius=1.0, thickness=0.2, size=0.1, base="roller")
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1, base="roller", layers="sigmoid")
     grow = TangentialGrowth(cortex=1.9)
-    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), layers="sigmoid")
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
     terms = {"plain": (solid,), "dragged": (solid, Drag(coefficient=9.0))}
     return {name: Scene(body=body, terms=listed, processes=(grow,)) for name, listed in terms.items()}
 '''

@@ -93,7 +93,7 @@ def test_only_whole_runs_of_a_scene_are_compared():
     with pytest.raises(ValueError, match="as it is"):
         compared({"mesh x2": result})
     with pytest.raises(ValueError, match=r"'mesh x2' stopped at t = 1"):
-        compared({"as it is": result, "mesh x2": replace(result, converged=False)})
+        compared({"as it is": result, "mesh x2": replace(result, status="stopped")})
 
 
 def test_no_energy_at_all_is_no_large_error_of_it():

@@ -67,7 +67,7 @@ def test_a_part_can_be_off(scene):
 def test_values_are_read_in_the_kind_of_the_parameter(scene):
     assert read_values("1.1:1.3:3", scene, "TangentialGrowth.cortex") == pytest.approx([1.1, 1.2, 1.3])
     assert read_values("1,2.5", scene, "TangentialGrowth.cortex") == [1.0, 2.5]
-    assert read_values("sharp,sigmoid", scene, "Elastic.layers") == ["sharp", "sigmoid"]
+    assert read_values("auto,mixed", scene, "Elastic.element") == ["auto", "mixed"]
     assert read_values("3,4", scene, "Scene.seed") == [3, 4]
     seeds = read_values("1:9:3", scene, "Scene.seed")
     assert seeds == [1, 5, 9]
@@ -160,7 +160,7 @@ def test_all_scenes_of_a_case_are_swept_also_in_processes(case, capsys):
 
 
 SWEPT = [
-    "sweep", "tiny.py", "--vary", "TangentialGrowth.layers=sharp,sigmoid", "--vary", "Elastic=on,off",
+    "sweep", "tiny.py", "--vary", "Elastic.element=auto,mixed", "--vary", "SelfContact=on,off",
     "--out", "a folder", "--only", "whole",
 ]  # fmt: skip
 

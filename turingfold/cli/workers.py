@@ -42,7 +42,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended, and why: that of the result, "refused" (bad input) or "killed"."""
+    """How a run ended, and why: the status of its result, "refused" (bad input) or "killed"."""
 
     name: str
     status: str

@@ -219,7 +219,8 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         return
     if overwrite:
         return
-    other = difference(read_json(described), document, ignoring=("versions", "case", "scene.stepping.seconds"))
+    ignoring = ("versions", "case", "scene.stepping.seconds")
+    other = difference(read_json(described), document, ignoring=ignoring)
     if resume and other:
         raise ValueError(
             f"{path} holds the result of another scene: {other}. Resume with the scene it was "
