@@ -63,6 +63,7 @@ from .outlines.read import Contours as Contours
 from .outlines.read import read_outline as read_outline
 from .outlines.remesh import retraced as retraced
 from .outlines.section import Section as Section
+from .outlines.surface import surface_section as surface_section
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError
 from .results.result import Result as Result

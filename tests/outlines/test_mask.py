@@ -339,6 +339,9 @@ def test_pictures_that_cannot_be_used_are_refused(tmp_path):
         sections(np.eye(9))
     with pytest.raises(ValueError, match="pictures have no position"):
         sections(np.eye(9), pixel_mm=1.0, at_mm=3)
+    Pictures.new("1", (10_000, 9_000)).save(tmp_path / "huge.png")
+    with pytest.raises(ValueError, match=r"huge\.png is no picture that can be read.*90000000 pixels"):
+        sections(tmp_path / "huge.png", pixel_mm=1.0)
     (tmp_path / "a.png").write_bytes(b"no picture")
     with pytest.raises(ValueError, match=r"a\.png is no picture"):
         sections(tmp_path / "a.png", pixel_mm=1.0)

@@ -7,3 +7,4 @@ from .mask import sections as sections
 from .read import Contours as Contours
 from .read import read_outline as read_outline
 from .section import Section as Section
+from .surface import surface_section as surface_section

@@ -45,6 +45,10 @@ def read_drawing(
         drawing: Any = svg.SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False)
     except (ValueError, TypeError, AttributeError, IndexError, ZeroDivisionError) as error:
         raise ValueError(f"{file.name} cannot be read as SVG: {error}.") from error
+    if not isinstance(drawing, svg.SVG) or (width is not None and not drawing.width):
+        raise ValueError(
+            f"{file.name} cannot be read as SVG: its outermost element has no name space or size."
+        )
     scale = 1.0 if width is None else float(width[1]) * METRES[width[2]] / drawing.width
     loops: list[Array] = []
     names: list[str] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 import zlib
 from dataclasses import dataclass
 from importlib import import_module
@@ -18,7 +19,7 @@ from ..checks import file_path, finite_array, positive, real_array
 PLANES = {"sagittal": 0, "coronal": 1, "axial": 2}  # the axis across them, of right, anterior, superior
 UNITS = {0: 1e-3, 1: 1.0, 2: 1e-3, 3: 1e-6}  # NIfTI's codes of lengths: unknown, metre, mm, micron
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".gif", ".jpg", ".jpeg")
-DAMAGE = (EOFError, OSError, zlib.error, ValueError)
+DAMAGE = (EOFError, OSError, zlib.error, ValueError, TypeError, OverflowError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,9 +151,17 @@ def _pixels(file: Path) -> Any:
     from PIL import ImageSequence, UnidentifiedImageError
 
     try:
-        with Pictures.open(file) as picture:
-            frames = [np.asarray(frame) for frame in ImageSequence.Iterator(picture)]
-    except (UnidentifiedImageError, Pictures.DecompressionBombError, SyntaxError, *DAMAGE) as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Pictures.DecompressionBombWarning)  # of 9e7 pixels and more
+            with Pictures.open(file) as picture:
+                frames = [np.asarray(frame) for frame in ImageSequence.Iterator(picture)]
+    except (
+        UnidentifiedImageError,
+        Pictures.DecompressionBombError,
+        Pictures.DecompressionBombWarning,
+        SyntaxError,
+        *DAMAGE,
+    ) as error:
         raise ValueError(f"{file.name} is no picture that can be read ({error}).") from error
     pixels = np.stack(frames) if len(frames) > 1 else frames[0]
     if pixels.ndim == 2 + (len(frames) > 1):

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
-from ..arrays import Array
+from ..arrays import Array, Booleans
 from ..checks import finite_array
 from .units import note_large
 
@@ -44,3 +45,42 @@ class Section:
         if not self.pial:
             raise ValueError("pial holds no curve; give at least one closed curve.")
         note_large(self.source or "the section", self.pial, "give metres")
+
+    def thickness(self) -> tuple[Array, ...]:
+        """Return the thickness of the cortex at the points of each pial curve, (n,) of each; m.
+
+        T = (|p - w| + |w - q|) / 2, with w the place of the white surface nearest to the pial point p, and q
+        that of the pial surface nearest to w (Fischl & Dale 2000, PNAS 97, 11050). NaN where the way from p
+        to w leaves the tissue, as in lobes that the plane cuts above their white matter.
+        Raises ValueError for sections without a white surface.
+        """
+        if not self.white:
+            raise ValueError("thickness: the section has no white surface; give it one.")
+        found = []
+        for loop in self.pial:
+            below = _nearest(loop, self.white)
+            back = _nearest(below, self.pial)
+            depth = 0.5 * (np.hypot(*(loop - below)) + np.hypot(*(below - back)))
+            for share in (0.25, 0.5, 0.75):
+                depth[~_inside(loop + share * (below - loop), self.pial)] = np.nan
+            found.append(depth)
+        return tuple(found)
+
+
+def _nearest(points: Array, loops: Sequence[Array]) -> Array:
+    """Return the place on closed curves nearest to each point, both (2, n)."""
+    ends = [np.stack([loop, np.roll(loop, -1, axis=1)], axis=-1) for loop in loops]
+    segments = shapely.linestrings(np.concatenate(ends, axis=1).transpose(1, 2, 0))
+    given = shapely.points(points.T)
+    near = segments[shapely.STRtree(segments).nearest(given)]
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(given, near))[1::2].T, dtype=float)
+
+
+def _inside(points: Array, loops: Sequence[Array]) -> Booleans:
+    """Return whether an odd number of closed curves encloses each point (2, n)."""
+    odd = np.zeros(points.shape[1], dtype=bool)
+    for loop in loops:
+        polygon = shapely.Polygon(loop.T)
+        shapely.prepare(polygon)
+        odd ^= shapely.contains_xy(polygon, *points)
+    return odd
