@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class SolveError(RuntimeError):
     """A solve that stopped; `time` says when, `residual` how far from balance, the message what to try."""
@@ -10,6 +12,16 @@ class SolveError(RuntimeError):
         super().__init__(message)
         self.time = time
         self.residual = residual
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what a copy is made of, also one of a class with other arguments."""
+        return _copied, (type(self), str(self), self.__dict__)
+
+
+def _copied(kind: type[SolveError], message: str, values: dict[str, Any]) -> SolveError:
+    error = kind.__new__(kind, message)
+    error.__dict__.update(values)
+    return error
 
 
 class NotConvergedError(SolveError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Any
 
 from .arrays import Array
 
@@ -18,6 +19,10 @@ class State:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "fields", MappingProxyType(dict(self.fields)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what a copy is made of: the view of the fields itself cannot be pickled."""
+        return State, (self.time, dict(self.fields))
 
     def __getitem__(self, name: str) -> Array:
         return self.fields[name]

@@ -83,7 +83,7 @@ def test_the_centre_is_inside_half_the_radius():
 def test_a_free_body_that_grows_evenly_in_all_directions_grows_by_the_square():
     body = semicircle(radius=1.0, thickness=0.25, size=0.25)
     free = Body(body.mesh, body.thickness, "free")
-    grow = TangentialGrowth(cortex=1.2, core=1.2, radial_core=1.2, radial_cortex=1.2, layers="sharp")
+    grow = TangentialGrowth(cortex=1.2, core=1.2, radial_core=1.2, radial_cortex=1.2)
     numbers = simulate(elastic_scene(grow, body=free)).summary()
     for name in ("area_growth", "core_growth", "centre_growth"):
         assert numbers[name] == pytest.approx(1.44, rel=1e-6)

@@ -1,5 +1,7 @@
 """Running scenes: what comes back, and what a failure leaves."""
 
+import copy
+import pickle
 import re
 import warnings
 from dataclasses import dataclass, replace
@@ -12,6 +14,7 @@ from turingfold import (
     CoarseMeshWarning,
     Elastic,
     NotConvergedError,
+    PathStoppedError,
     Result,
     Stepping,
     StoppedError,
@@ -19,7 +22,7 @@ from turingfold import (
     semicircle,
     simulate,
 )
-from turingfold.testing import advanced
+from turingfold.extend import Evolution, Process
 
 KEYS = {
     "status", "message", "time", "area_growth", "core_growth", "centre_growth", "dofs", "triangles",
@@ -37,25 +40,33 @@ def grown():
 
 
 @dataclass(frozen=True)
-class Breaks:
-    """Growth that is 1 until `after`, then not a number."""
+class Breaks(Process):
+    """Tangential growth by 1 + 0.3 t until `after`, then not a number; with `after` < 0 it does not begin."""
 
     after: float = 0.5
-    reads: tuple[str, ...] = ()
-    writes: tuple[str, ...] = ("growth",)
 
-    def start(self, body, state, seed):
-        return advanced(self, body, state, 0.0)
+    @property
+    def writes(self):
+        return ("growth",)
 
-    def advance(self, body, state, dt):
-        value = 1.0 if state.time + dt <= self.after else np.nan
-        return {"growth": np.full((3, *body.quadrature.weights.shape), value)}
+    def on(self, body):
+        return BreaksOnBody(self.after, (3, *body.quadrature.weights.shape))
 
 
 @dataclass(frozen=True)
-class NeverBegins(Breaks):
-    def start(self, body, state, seed):
-        raise NotConvergedError("no pattern")
+class BreaksOnBody(Evolution):
+    after: float
+    shape: tuple[int, ...]
+
+    def start(self, state, seed):
+        if self.after < 0:
+            raise NotConvergedError("no pattern")
+        return self.advance(state, state, 0.0)
+
+    def advance(self, before, now, dt):
+        growth = np.ones(self.shape)
+        growth[0] = 1 + 0.3 * now.time if now.time <= self.after else np.nan
+        return {"growth": growth}
 
 
 def test_states_go_from_rest_to_the_end(grown):
@@ -182,7 +193,7 @@ def test_a_march_that_stops_keeps_what_it_reached():
 
 def test_a_scene_that_does_not_begin_says_why():
     with pytest.raises(NotConvergedError, match="no pattern"):
-        simulate(elastic_scene(NeverBegins()))
+        simulate(elastic_scene(Breaks(after=-1.0)))
 
 
 def test_the_time_limit_stops_a_march():
@@ -228,3 +239,22 @@ def test_a_coarse_cortex_is_warned_about():
         warnings.simplefilter("always", CoarseMeshWarning)
         simulate(elastic_scene(body=fine, stepping=Stepping(first=1.0, largest=1.0), until=0.1))
     assert not [warning for warning in given if warning.category is CoarseMeshWarning]
+
+
+@pytest.mark.parametrize("copied", [lambda item: pickle.loads(pickle.dumps(item)), copy.deepcopy])
+def test_results_states_and_errors_can_be_copied(copied):
+    result = simulate(folding_scene())
+    result.observe()  # with what is kept from it
+    again = copied(result)
+    assert again.summary() == result.summary()
+    assert repr(again.history) == repr(result.history)
+    for state, other in zip(again.states, result.states, strict=True):
+        assert state.fields.keys() == other.fields.keys()
+        assert all(np.array_equal(state[name], other[name]) for name in state.fields)
+    with pytest.raises(TypeError, match="item assignment"):
+        again.last.fields["displacement"] = None
+    stopped = copied(StoppedError(NotConvergedError("why", time=0.5, residual=1e-3), result))
+    assert (type(stopped), str(stopped), stopped.time, stopped.residual) == (StoppedError, "why", 0.5, 1e-3)
+    assert stopped.result.summary() == result.summary()
+    path = copied(PathStoppedError("why", None, time=0.5, residual=1e-3))
+    assert (str(path), path.path, path.time) == ("why", None, 0.5)

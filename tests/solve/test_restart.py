@@ -14,8 +14,8 @@ from turingfold import (
     TangentialGrowth,
     semicircle,
 )
-from turingfold.results.files import read_arrays, write_arrays
-from turingfold.results.folder import Checkpoint, _arrays, _checkpoint
+from turingfold.results.checkpoint import Checkpoint, from_arrays, to_arrays
+from turingfold.results.files import arrays_content, read_arrays, write_whole
 from turingfold.solve.march import begin, march
 from turingfold.solve.newton import NEAR
 
@@ -34,8 +34,8 @@ SCENES = {
 
 
 def stored(progress, file):
-    write_arrays(file, _arrays(Checkpoint(progress, 1, 0.0, {})))
-    return _checkpoint(read_arrays(file)).progress
+    write_whole(file, arrays_content(to_arrays(Checkpoint(progress, 1, 0.0, {}))))
+    return from_arrays(read_arrays(file)).progress
 
 
 def numbers(step):
@@ -76,7 +76,7 @@ def test_a_checkpoint_without_word_of_the_last_guess_is_gone_on_with(tmp_path):
     body = semicircle(radius=1.0, thickness=0.25, size=0.2)
     scene = Scene(body=body, terms=(SOLID,), processes=(TangentialGrowth(cortex=1.2),))
     *_, (_, progress) = march(scene, begin(scene))
-    arrays = _arrays(Checkpoint(progress, 1, 0.0, {}))
+    arrays = to_arrays(Checkpoint(progress, 1, 0.0, {}))
     del arrays["memory.missed"]
-    write_arrays(tmp_path / "checkpoint.npz", arrays)
-    assert _checkpoint(read_arrays(tmp_path / "checkpoint.npz")).progress.memory.missed == np.inf
+    write_whole(tmp_path / "checkpoint.npz", arrays_content(arrays))
+    assert from_arrays(read_arrays(tmp_path / "checkpoint.npz")).progress.memory.missed == np.inf

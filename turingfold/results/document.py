@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
+import reprlib
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -11,10 +12,11 @@ from typing import Any
 
 from ..scene import Scene
 from .codec import Arrays, decode, encode
-from .files import CorruptFileError, digest, read_arrays, read_json
+from .files import CorruptFileError, digest, read_arrays, read_json, unsigned
 
 FORMAT = 3
-PACKAGES = ("turingfold", "numpy", "scipy", "scikit-fem", "ipctk", "cvxopt")
+OWN = __name__.split(".")[0]
+PACKAGES = (OWN, "numpy", "scipy", "scikit-fem", "ipctk", "cvxopt")
 
 
 def stored(scene: Scene, case: Mapping[str, Any] | None = None) -> tuple[dict[str, Any], Arrays]:
@@ -36,24 +38,43 @@ def read_scene(path: Path, known: Iterable[Any] = ()) -> Scene:
 
     Raises ValueError if there is none, or one that cannot be rebuilt, CorruptFileError if it is damaged.
     """
-    if not (path / "scene.json").is_file():
+    document = read_document(path)
+    try:
+        return rebuilt(document, read_body(path, document), known)
+    except CorruptFileError as error:
+        raise CorruptFileError(f"{path / 'scene.json'}: {error}") from error
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """Return the content of scene.json; raises as `read_scene`."""
+    file = path / "scene.json"
+    if not file.exists():
         raise ValueError(f"{path} holds no result (there is no scene.json); name the folder of one scene.")
-    document, arrays = read_json(path / "scene.json"), read_arrays(path / "body.npz")
+    document = read_json(file)
     if document.get("format") != FORMAT:
+        versions = document.get("versions")
+        wrote = versions.get(OWN, "unknown") if isinstance(versions, dict) else "unknown"
+        found = reprlib.repr(document.get("format"))
         raise ValueError(
-            f"{path} has format {document.get('format')!r} and this version reads format {FORMAT}; run the "
-            "scene again (overwrite=True, --overwrite)."
+            f"{path} has format {found}, written by {OWN} {wrote}, and this version reads format {FORMAT}; "
+            "install that version, or run the scene again (overwrite=True, --overwrite)."
         )
-    if document["arrays"]["sha256"] != digest(arrays):
+    return unsigned(document, file)
+
+
+def read_body(path: Path, document: Mapping[str, Any]) -> Arrays:
+    """Return the arrays that belong to a document; raises CorruptFileError where they do not."""
+    arrays = read_arrays(path / "body.npz")
+    if document["arrays"] != {"file": "body.npz", "sha256": digest(arrays)}:
         raise CorruptFileError(f"{path / 'body.npz'} does not belong to the scene.json beside it.")
-    return rebuilt(document, arrays, known)
+    return arrays
 
 
 def rebuilt(document: Mapping[str, Any], arrays: Arrays, known: Iterable[Any] = ()) -> Scene:
-    """Return the scene that was `stored`; raises ValueError where that is none."""
-    scene = decode(document["scene"], arrays, known)
+    """Return the scene that was `stored`; raises as `decode`, and where that is none."""
+    scene = decode(document.get("scene"), arrays, known)
     if not isinstance(scene, Scene):
-        raise ValueError("scene.json describes no scene.")
+        raise CorruptFileError("it describes no scene.")
     return scene
 
 

@@ -1,13 +1,21 @@
-"""history.csv: a row per accepted step; an empty cell where a number does not exist."""
+"""history.csv: a row per accepted step; an empty cell where a number does not exist.
+
+The last column is the CRC-32 of the line before it and of all lines above: a changed digit is noticed.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TextIO
+from zlib import crc32
 
 import numpy as np
+
+from .files import CorruptFileError, open_unlinked, read_bytes, write_whole, writing
 
 Row = dict[str, float]
 
@@ -15,16 +23,85 @@ COLUMNS = (
     "time", "growth", "energy", "newton_iterations", "factorizations", "min_jacobian", "min_gap",
     "gyrification_index", "negative_pivots", "step", "residual", "seconds",
 )  # fmt: skip
+CHECK = "crc32"
+
+
+class History:
+    """The file while it is written: rows are appended, and all are written anew when columns are added."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.rows: list[Row] = []
+        self._columns: list[str] = []
+        self._check = 0
+        self._file: TextIO | None = None
+
+    def add(self, row: Row) -> None:
+        """Append a row, at once."""
+        self.rows.append(row)
+        if self._file is None or not set(row) <= set(self._columns):
+            self.rewrite()
+            return
+        with writing(self.path):
+            self._file.write(self._signed(lines([row], self._columns)))
+            self._file.flush()
+
+    def rewrite(self) -> None:
+        """Write all rows anew."""
+        extra = {name for row in self.rows for name in row} - set(COLUMNS)
+        self._columns, self._check = [*COLUMNS, *sorted(extra)], 0
+        self.close()
+        table = ",".join(self._columns) + "\n" + lines(self.rows, self._columns)
+        head, *rows = table.splitlines(keepends=True)
+        self._check = crc32(head.encode())
+        signed = f"{head.rstrip()},{CHECK}\n" + "".join(map(self._signed, rows))
+        write_whole(self.path, signed.encode(), make_folder=False)
+        with writing(self.path):
+            self._file = os.fdopen(open_unlinked(self.path, os.O_APPEND), "a", newline="", encoding="utf-8")
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+
+    def _signed(self, line: str) -> str:
+        self._check = crc32(line.encode(), self._check)
+        return f"{line.rstrip()},{self._check}\n"
 
 
 def read_history(path: Path) -> list[Row]:
-    """Return the rows of history.csv; a last row that was cut off is left out."""
+    """Return the rows of the history in a folder, none where there is no file yet.
+
+    A last row that was cut off is left out. Raises CorruptFileError where another one is damaged.
+    """
     file = path / "history.csv"
     if not file.exists():
         return []
-    table = list(csv.reader(io.StringIO(file.read_text(encoding="utf-8"), newline="")))
-    whole = [line for line in table[1:] if len(line) == len(table[0])]
-    return [{name: _number(cell) for name, cell in zip(table[0], line, strict=True)} for line in whole]
+    rows, damage = sound_rows(read_bytes(file))
+    if damage:
+        raise CorruptFileError(f"{file}: {damage}. Go on with resume=True (--resume), or run it again.")
+    return rows
+
+
+def sound_rows(content: bytes) -> tuple[list[Row], str]:
+    """Return the rows of a history up to the first damaged one, and what is wrong with that one, if any."""
+    head, *lines_after = content.split(b"\n")[:-1] or [b""]  # what follows the last line's end is no line yet
+    names, _, last = head.rpartition(b",")
+    if last != CHECK.encode():
+        return [], "its first line is damaged"
+    columns, check = names.decode(errors="replace").split(","), crc32(names + b"\n")
+    rows: list[Row] = []
+    for k, line in enumerate(lines_after):
+        numbers, _, found = line.rpartition(b",")
+        check = crc32(numbers + b"\n", check)
+        cells = numbers.decode(errors="replace").split(",")
+        try:
+            if found != str(check).encode():
+                raise ValueError
+            rows.append(dict(zip(columns, map(_number, cells), strict=True)))
+        except ValueError:
+            return rows, f"line {k + 2} was changed after it was written: its checksum does not match"
+    return rows, ""
 
 
 def lines(rows: Iterable[Row], columns: Sequence[str]) -> str:

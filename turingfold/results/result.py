@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from ..scene import Scene, stress_scale
 from ..solve.march import observed
 from ..solve.problem import Problem, configuration
 from ..state import State
+from .files import CorruptFileError
 from .measures import area_numbers, fold_numbers, pial_pattern
 from .surface import along_pial as along_pial
 from .surface import pial_closed as pial_closed
@@ -66,6 +67,10 @@ class Result:
         """Return it in a line; the arrays would fill pages."""
         end = self.unfinished or f"reached the end at t = {self.last.time:.4g}"
         return f"Result({end}, growth {largest_growth(self.last):.3g}, {len(self.history)} steps)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what is pickled or copied: not what was only computed from it."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
     def converged(self) -> bool:
@@ -184,17 +189,23 @@ def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
 def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     """Do what `load` does, without a warning."""
     from .document import read_scene
-    from .folder import read_ending, read_states
     from .history import read_history
+    from .reading import read_ending, read_states
 
     path = Path(folder)
-    scene, states = read_scene(path, known), read_states(path)
+    scene, ending = read_scene(path, known), read_ending(path)
+    states = read_states(path)
     if not states:
         raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
     # a killed run loses what is beyond the last state with a row, or the last row with a state
     history = [row for row in read_history(path) if row["time"] <= states[-1].time]
     states = [state for state in states if state.time <= (history[-1]["time"] if history else 0.0)]
-    ending = read_ending(path)
+    found = states[-1].time if states else None, len(history)
+    if ending.time is not None and found != (ending.time, ending.steps):
+        raise CorruptFileError(
+            f"{path}: the last state, of t = {ending.time:g}, or the history that leads to it is missing or "
+            "damaged; go on with resume=True (--resume), or run the scene again."
+        )
     seconds = sum(row["seconds"] for row in history) if ending.seconds is None else ending.seconds
     parts = ending.seconds_by_part
     return Result(scene, tuple(states), tuple(history), ending.status, ending.message, seconds, parts)

@@ -143,22 +143,27 @@ class _Run:
             self.states.append(position.state)
             self.parts["starting"] = self._seconds()
             if self.folder is not None:
-                self._keep(0, position)
+                self._keep(0, position.state)
                 self._save(position)
             return position
-        from .folder import kept_states
-
-        state, self.history = found.progress.state, self.folder.history()
-        before = self.history[-2]["time"] if found.step > 1 else 0.0
-        if found.step == 0 or _due(before, state.time, self.scene.until, self.frames):
-            if self.folder.lost(found.step):
-                self._keep(found.step, found.progress)
-        elif not reached(self.scene, state.time):  # kept only because the run ended there
-            self.folder.remove_state(found.step)
-        earlier = [kept for kept in kept_states(self.folder.path) if kept.time < state.time]
-        self.states = [*earlier, state]
+        self.history = self.folder.history()
+        self.states = self._restored(found.step, found.progress.state)
         self.parts, self.spent = dict(found.seconds_by_part), found.seconds
         return found.progress
+
+    def _restored(self, step: int, state: State) -> list[State]:
+        """Return the states until the checkpoint's; make what is missing on disk anew as far as possible."""
+        assert self.folder is not None
+        kept = self.folder.kept(before=step)
+        for number, own in kept.items():
+            if not self.folder.shows(number):
+                self._keep(number, own)
+        before = self.history[-2]["time"] if step > 1 else 0.0
+        if step == 0 or _due(before, state.time, self.scene.until, self.frames):
+            self._keep(step, state)
+        else:  # if it was kept, then only because the run ended there
+            self.folder.remove_state(step)
+        return [*kept.values(), state]
 
     def _accept(self, step: Step, position: Progress) -> None:
         """Measure a step, write it down, and only then count it."""
@@ -186,25 +191,27 @@ class _Run:
     def _finish(self, status: str = "interrupted", message: str = GO_ON) -> Result:
         """Write down the last accepted state, and return what has come of the scene."""
         if self.position is not None:
+            end = self.position.state.time  # of what an interrupt left half counted, nothing stays
+            self.states = [state for state in self.states if state.time <= end]
+            self.history = [row for row in self.history if row["time"] <= end]
+            if self.folder is not None:
+                self.folder.cut(len(self.history))
             self._save(self.position)
-        if self.folder is not None:
-            self.folder.cut(len(self.history))
         if reached(self.scene, self.states[-1].time):
             status, message = _validity(self.scene.body, self.states[-1])
         elif self.folder is not None and self.position is not None:
-            self._keep(len(self.history), self.position)
+            self._keep(len(self.history), self.states[-1])
         states, history = tuple(self.states), tuple(self.history)
         result = Result(self.scene, states, history, status, message, self._seconds(), self._parts())
         if self.folder is not None:
             self.folder.summarise(result.summary())
         return result
 
-    def _keep(self, step: int, position: Progress) -> None:
+    def _keep(self, step: int, state: State) -> None:
         """Keep the state of a step that was not just taken, on disk."""
         assert self.folder is not None
-        dt = position.previous_dt or position.dt
-        shown = observe(self.problem, position.state, dt)
-        self.folder.add_state(step, position.state, shown)
+        dt = self.history[step - 1]["step"] if step else self.scene.stepping.first * self.scene.until
+        self.folder.add_state(step, state, observe(self.problem, state, dt))
 
     def _save(self, position: Progress) -> None:
         if self.folder is not None:
