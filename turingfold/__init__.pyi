@@ -43,6 +43,7 @@ from .morphometry.folds import sulcal_depth as sulcal_depth
 from .morphometry.folds import wavelength_spectrum as wavelength_spectrum
 from .morphometry.fourier import fourier_descriptors as fourier_descriptors
 from .morphometry.fourier import reconstruction_error as reconstruction_error
+from .morphometry.landmarks import read_landmarks as read_landmarks
 from .morphometry.registration import registration as registration
 from .morphometry.registration import registration_null as registration_null
 from .morphometry.shape import cortical_thickness as cortical_thickness
@@ -52,6 +53,7 @@ from .morphometry.shape import signed_curvature as signed_curvature
 from .morphometry.similarity import aligned as aligned
 from .morphometry.similarity import arc_length_map as arc_length_map
 from .morphometry.similarity import similarity as similarity
+from .morphometry.similarity import similarity_null as similarity_null
 from .morphometry.walls import mirror_error as mirror_error
 from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length

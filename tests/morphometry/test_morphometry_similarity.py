@@ -8,8 +8,10 @@ from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms
 
 from turingfold.morphometry.compare import compare, draw_comparison
 from turingfold.morphometry.fourier import fourier_descriptors, reconstruction_error
+from turingfold.morphometry.landmarks import read_landmarks
 from turingfold.morphometry.polyline import as_polyline
-from turingfold.morphometry.similarity import aligned, arc_length_map, similarity
+from turingfold.morphometry.shape import signed_curvature
+from turingfold.morphometry.similarity import aligned, arc_length_map, similarity, similarity_null
 
 steady = settings(derandomize=True, deadline=None, max_examples=20)
 EVERY_P = (1, 2, np.inf)
@@ -213,10 +215,11 @@ def test_comparison_holds_the_measures_of_both():
     assert np.isnan(both["self-intersections"].ratio)
     assert both.similarity["1"] == similarity(a, b, 1)
     lines = both.text().splitlines()
-    assert len({len(line) for line in lines[:-1]}) == 1
+    assert len({len(line) for line in lines[:-3]}) == 1
     assert lines[0].split() == ["six", "twelve", "twelve", "/", "six"]
     assert any(line.split() == ["folds", "6", "12", "2.000"] for line in lines)
-    assert lines[-1].startswith("similarity")
+    for line, p in zip(lines[-3:], (1, 2, np.inf), strict=True):
+        assert line == f"similarity, p = {p}  {similarity_null(a, b, p)}"
     with pytest.raises(KeyError, match="known are 'length'"):
         both["sulci"]
 
@@ -241,6 +244,11 @@ def test_comparison_of_pial_surfaces_and_of_coarse_outlines():
     assert (waves[-3], waves[-1]) == ("-", "-")  # a smooth arc has no waves, and nothing is a multiple of it
     coarse = compare(ellipse(1, 1, 20), ellipse(1, 1, 200))
     names = [measure.name for measure in coarse.measures]
+    assert names.count("mean sulcal depth") == 1
+    relative = compare(flower(6, 0.2), flower(12, 0.2), thickness=0.1).measures
+    depths = [measure for measure in relative if measure.name == "mean sulcal depth"]
+    assert [measure.unit for measure in depths] == ["m", "thickness"]
+    assert depths[0].a == pytest.approx(0.1 * depths[1].a)
     assert "Fourier error at order 5" in names
     assert "Fourier error at order 15" not in names
 
@@ -259,3 +267,89 @@ def test_drawing_lays_one_on_the_other(arc):
     assert labels[1].startswith("right")
     assert labels[1].endswith(f"{count} folds")
     figure.canvas.draw()
+
+
+def irregular(seed, n=3000):
+    """Twelve folds of different depth at different distances round a circle."""
+    rng = np.random.default_rng(seed)
+    t = angles(n)
+    bends = t + sum(0.25 / k * np.cos(k * t + rng.uniform(0, 7)) for k in (1, 2, 3))
+    depth = 0.12 + 0.06 * np.cos(2 * t + rng.uniform(0, 7))
+    return (1 + depth * np.cos(12 * bends)) * np.array([np.cos(t), np.sin(t)])
+
+
+def test_irregular_folds_are_like_themselves_and_not_by_chance():
+    a = irregular(1)
+    null = similarity_null(a, moved(a, 1.0, 2.0), 1)
+    assert null.value == pytest.approx(1, abs=1e-3)
+    assert null.foldings.p == 0
+    assert max(null.circle, null.foldings.quantile(1.0)) < 0.95
+    assert null.value == similarity(a, moved(a, 1.0, 2.0), 1)
+
+
+def test_foldings_that_know_nothing_of_each_other_are_alike_by_chance():
+    found = [similarity_null(irregular(k), irregular(100 + k), 1, count=39).foldings.p for k in range(8)]
+    assert np.mean(found) > 0.1
+    assert max(found) > 0.5
+
+
+def test_regular_folds_of_one_wave_length_can_always_be_matched():
+    null = similarity_null(flower(12, 0.1, 2400), flower(12, 0.1, 2400), 2)
+    assert null.foldings.quantile(0.5) > 0.98
+
+
+@pytest.mark.parametrize("arc", [2 * np.pi, np.pi])
+def test_the_best_circle_has_the_mean_the_median_or_the_middle_of_the_shape_index(arc):
+    """Of a wave with curvature (far from the average's width): the constants nearest to it are known."""
+    a, T = flower(5, 0.15, 6000, arc), 0.05
+    index = 2 / np.pi * np.arctan(T * signed_curvature(a))
+    at = as_polyline(a).arc / as_polyline(a).length
+    even = np.interp(np.linspace(0, 1, 5000, endpoint=arc < 6), at, index)
+    nearest = {1: np.median(even), 2: even.mean(), np.inf: (even.max() + even.min()) / 2}
+    for p, constant in nearest.items():
+        away = np.abs(even - max(constant, 0.0))
+        norm = away.max() if p == np.inf else np.mean(away**p) ** (1 / p)
+        found = similarity_null(a, ellipse(1, 1, 500, arc), p, thickness=T, count=19).circle
+        assert found == pytest.approx(1 - norm / 2, abs=2e-3)
+
+
+def test_the_better_of_two_starts_counts_and_the_verdict_is_told():
+    a, b, circle = irregular(3), irregular(7), ellipse(1, 1)
+    null = similarity_null(a, b, 1, starts=(None, circle))
+    assert null.start == similarity(a, circle, 1)
+    both = similarity_null(a, b, 1, starts=(ellipse(1, 0.8), circle))
+    assert both.start == max(similarity(b, ellipse(1, 0.8), 1), similarity(a, circle, 1))
+    assert null.value < null.start  # folds at the wrong places are less like a than none
+    assert "less than before it grew" in str(null)
+    assert str(similarity_null(a, a)).endswith(")")
+
+
+LANDMARKS = "name,x_a,y_a,x_b,y_b\n"
+
+
+def test_landmarks_are_read_and_told(tmp_path):
+    a, b = flower(6, 0.2, 600), moved(flower(6, 0.2, 900), 0.0, 2.0)
+    file = tmp_path / "marks.csv"
+    file.write_text(LANDMARKS + f"first,{a[0, 100]},{a[1, 100]},{b[0, 150]},{b[1, 150]}\n"
+                    f"second, {a[0, 300] + 1e-3},{a[1, 300]},{b[0, 460]},{b[1, 460]}\n")  # fmt: skip
+    marks = read_landmarks(file, a, b)
+    np.testing.assert_array_equal(marks.indices, [[100, 150], [300, 460]])
+    both = compare(a, b, landmarks=marks)
+    assert both.similarity["2"] == similarity(a, b, 2, landmarks=[[100, 150], [300, 460]])
+    assert both.landmarks[0] == ("first", pytest.approx(1 / 6, abs=1e-6), pytest.approx(1 / 6, abs=1e-6))
+    assert "landmark second: at 0.500 and 0.51" in both.text()
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("name;x_a\n", "first line is 'name;x_a'; it must be 'name,x_a,y_a,x_b,y_b'"),
+    (LANDMARKS, "has no landmarks"),
+    (LANDMARKS + "one,1,0,1,0\none,0,1,0,1\n", "line 2: the name 'one' must be there, and only once"),
+    (LANDMARKS + "one,1,0,1\n", r"line 2: x_b, y_b are \('1', None\); they must be two numbers"),
+    (LANDMARKS + "one,1,0,nan,0\n", "line 2: x_b, y_b are nan from the nearest"),
+    (LANDMARKS + "one,1000,0,1,0\n", "x_a, y_a are 999 from the nearest point of curve a.*in its unit"),
+])
+def test_bad_landmarks_are_refused(tmp_path, text, message):
+    file = tmp_path / "marks.csv"
+    file.write_text(text)
+    with pytest.raises(ValueError, match=message):
+        read_landmarks(file, ellipse(1, 1), ellipse(1, 1))

@@ -176,6 +176,7 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
     compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
     compare.add_argument("b", type=Path, metavar="B", help="another one")
+    compare.add_argument("--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b")
     compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
     compare.set_defaults(command=_compare)
 
@@ -289,7 +290,7 @@ def _buckling(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace) -> int:
     from .tools import compare
 
-    say(compare(options.a, options.b, options.figure))
+    say(compare(options.a, options.b, options.figure, options.landmarks))
     return 0
 
 

@@ -55,27 +55,38 @@ def stability(asked: Stability) -> str:
     return f"{report}\nfigure: {asked.figure}"
 
 
-def compare(a: Path, b: Path, figure: Path | None) -> str:
+def compare(a: Path, b: Path, figure: Path | None, landmarks: Path | None = None) -> str:
     """Return the morphometry of two results or outlines as a table; draw one on the other on request."""
     from ..morphometry.compare import compare as compared
     from ..morphometry.compare import draw_comparison
+    from ..morphometry.landmarks import read_landmarks
 
     names = (a.name, b.name) if a.name != b.name else (str(a), str(b))
-    one, other = _points(a), _points(b)
-    table = compared(one, other, names=names).text()
+    (one, start_a, thickness_a), (other, start_b, thickness_b) = _curve(a), _curve(b)
+    known = {thickness_a, thickness_b} - {None}
+    thickness = known.pop() if len(known) == 1 else None
+    table = compared(
+        one,
+        other,
+        names=names,
+        thickness=thickness,
+        starts=(start_a, start_b),
+        landmarks=None if landmarks is None else read_landmarks(landmarks, one, other),
+    ).text()
     if figure is None:
         return table
     with save_figure(figure) as canvas:
-        draw_comparison(one, other, canvas.add_subplot(), names=names)
+        draw_comparison(one, other, canvas.add_subplot(), names=names, thickness=thickness)
     return f"{table}\nfigure: {figure}"
 
 
-def _points(path: Path) -> Array:
-    """Return the pial surface of a result's folder, or the outline in a CSV or SVG file."""
+def _curve(path: Path) -> tuple[Array, Array | None, float | None]:
+    """Return the pial surface of a result with its start and thickness, or the outline in a file without."""
     if path.is_file():
         from ..outlines.read import read_outline
 
-        return read_outline(path).single()
+        return read_outline(path).single(), None, None
     from ..results.result import load
 
-    return load(path).pial()
+    result = load(path)
+    return result.pial(), result.pial(0), result.scene.body.thickness

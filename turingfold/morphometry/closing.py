@@ -10,6 +10,7 @@ from ..arrays import Array
 from ..checks import positive
 from .polyline import as_polyline
 
+CLOSING = 3.0, 0.125  # usual radius over the cortical thickness, and over the body's: 7.5 mm in adult brains
 ARC = 64  # straight pieces that stand for a quarter of a circle
 
 

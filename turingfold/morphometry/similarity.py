@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ..arrays import Array, Integers
 from ..checks import between, positive, whole
+from .null import Null
 from .polyline import FEWEST_POINTS, Polyline, as_polyline, fractions, spline_points
 from .shape import mean_curvature
 
 THICKNESS = 0.1  # default cortical thickness over the radius of the body (ferret, R/T = 10)
 LANDMARK_WEIGHT = 10.0  # Choi et al. 2025
 SAMPLES = 1000
+TURNS = 10  # in which random foldings get the values and the spectrum of a curve: more change nothing
 
 
 def arc_length_map(
@@ -56,23 +61,120 @@ def similarity(
     landmarks they are at equal steps too, and those of an outline start where the indices agree best.
     thickness T, m, of I = (2/pi) atan(kappa T): by default 0.1 of the radius of each body, so that s does
     not depend on scale; curvature is averaged over +-T/2 of arc.  p: 1, 2, inf, or any number above 1.
+    A smooth curve is 0.9 similar to most: see `similarity_null`.
     Source: Choi et al. 2025, with curvature in the plane for the index on a surface.
     """
-    largest = isinstance(p, Real) and p == np.inf
-    if not largest:
-        between("p", p, 1.0, np.inf, "use 1, 2 or inf")
+    options = {"thickness": thickness, "landmarks": landmarks, "weight": weight, "samples": samples}
+    a, b, matched = _indices(points_a, points_b, closed=closed, **options)
+    return _alike(a, matched(b), _order(p))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimilarityNull:
+    """The similarity of two curves a and b, beside that of a with curves that know nothing of its folds.
+
+    circle: the circle (or straight line) most similar to a.  start: the ungrown start of one of them with
+    the other, None if it is not given.  foldings: random foldings of b's wave lengths.
+    """
+
+    value: float
+    circle: float
+    start: float | None
+    foldings: Null
+
+    def __str__(self) -> str:
+        """Return all in a line, and what follows from them."""
+        start = "" if self.start is None else f", ungrown start {self.start:.3f}"
+        low, high = self.foldings.quantile(0.05), self.foldings.quantile(0.95)
+        says = [] if self.value > self.circle else ["less than a circle"]
+        says += ["less than before it grew"] if self.start is not None and self.value <= self.start else []
+        says += ["no more than by chance"] if self.foldings.p > 0.05 else []
+        chance = f"random foldings {low:.3f} to {high:.3f}, p = {self.foldings.p:.3f}"
+        verdict = f": {' and '.join(says)}" if says else ""
+        return f"{self.value:.3f} (best circle {self.circle:.3f}{start}, {chance}){verdict}"
+
+
+def similarity_null(
+    points_a: Any,
+    points_b: Any,
+    p: float = 1,
+    *,
+    starts: tuple[Any, Any] = (None, None),
+    count: int = 199,
+    seed: int = 0,
+    thickness: float | None = None,
+    landmarks: Any = None,
+    weight: float = LANDMARK_WEIGHT,
+    samples: int = SAMPLES,
+    closed: bool | None = None,
+) -> SimilarityNull:
+    """Return the similarity of two curves with what it would be without a likeness of their folds.
+
+    starts: the ungrown starts of a and of b, (2, n) or None; of two, the better one counts.
+    The `count` random foldings have the values of b's shape index, and the amplitudes of its spectrum with
+    random phases, and are matched with a as b is. Arguments and errors else as `similarity`.
+    Source of the random foldings: Schreiber & Schmitz 1996, Phys. Rev. Lett. 77, 635 (surrogate data).
+    """
+    options = {"thickness": thickness, "landmarks": landmarks, "weight": weight, "samples": samples}
+    a, b, matched = _indices(points_a, points_b, closed=closed, **options)
+    order = _order(p)
+    outline = _pair(points_a, points_b, closed)[0].closed
+    foldings = _random_foldings(b, whole("count", count, at_least=19), seed, outline)
+    value, by_chance = _alike(a, matched(b), order), [_alike(a, matched(c), order) for c in foldings]
+    circle = minimize_scalar(lambda index: -_alike(a, index, order), bounds=(0.0, 1.0), method="bounded")
+    before = [
+        similarity(other, start, p, thickness=thickness, samples=samples, closed=closed)
+        for other, start in zip((points_b, points_a), starts, strict=True)
+        if start is not None
+    ]
+    return SimilarityNull(
+        value=value,
+        circle=-float(circle.fun),
+        start=max(before, default=None),
+        foldings=Null(value=value, samples=np.sort(by_chance)),
+    )
+
+
+def _order(p: Any) -> float:
+    if isinstance(p, Real) and p == np.inf:
+        return np.inf
+    return between("p", p, 1.0, np.inf, "use 1, 2 or inf")
+
+
+def _indices(
+    points_a: Any, points_b: Any, *, thickness: Any, landmarks: Any, weight: Any, samples: Any, closed: Any
+) -> tuple[Array, Array, Callable[[Array], Array]]:
+    """Return the shape indices (m,) of both curves at equal steps, and what puts one of b where a's are."""
     a, b = _pair(points_a, points_b, closed)
     s = fractions(whole("samples", samples, at_least=FEWEST_POINTS), a.closed)
     index_a, index_b = (_index(curve, s, thickness) for curve in (a, b))
     if landmarks is not None:
         there = _mapped(s, a, b, _landmarks(landmarks, a, b), positive("weight", weight))
-        index_b = np.interp(there, s, index_b, period=1.0 if a.closed else None)
-    elif a.closed:
-        index_b = _shifted(index_a, index_b)
-    difference = np.abs(index_a - index_b)
-    if largest:
-        return 1 - float(difference.max()) / 2
-    return 1 - float(np.mean(difference**p) ** (1 / p)) / 2
+        return index_a, index_b, lambda index: np.interp(there, s, index, period=1.0 if a.closed else None)
+    return index_a, index_b, lambda index: _shifted(index_a, index) if a.closed else index
+
+
+def _alike(a: Array, b: Array | float, p: float) -> float:
+    difference = np.abs(a - b)
+    size = difference.max() if p == np.inf else np.mean(difference**p) ** (1 / p)
+    return 1 - float(size) / 2
+
+
+def _random_foldings(index: Array, count: int, seed: int, closed: bool) -> Array:
+    """Return shape indices (count, m) with the values of `index` (m,) and its spectrum at random phases.
+
+    The index of an open curve is continued by its mirror image. Values and spectrum are imposed in turn.
+    """
+    loop = index if closed else np.concatenate((index, index[::-1]))
+    values, amplitude = np.sort(loop), np.abs(np.fft.rfft(loop))
+    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, (count, amplitude.size))
+    spectrum = np.exp(1j * phase)
+    for _ in range(TURNS):
+        folding = np.fft.irfft(amplitude * spectrum, n=loop.size)
+        place = np.argsort(np.argsort(folding, axis=1, kind="stable"), axis=1, kind="stable")
+        spectrum = np.fft.rfft(values[place])
+        spectrum /= np.maximum(np.abs(spectrum), 1e-300)
+    return np.asarray(values[place][:, : index.size])
 
 
 def aligned(

@@ -10,8 +10,6 @@ from ..geometry.triangles import folded_over
 from ..state import State
 from .surface import along_pial, pial_closed
 
-CLOSING = 3.0  # radius over the cortical thickness: 7.5 mm, as for adult brains (Schaer et al. 2008)
-
 
 def area_numbers(body: Body, state: State) -> dict[str, float | None]:
     """Return the deformed over the undeformed area of the whole, of the core and of its centre.
@@ -50,6 +48,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     registration, registration_p: with the pattern, and the share of the pattern's phases that register as
     well or better; None without a pattern.
     """
+    from ..morphometry.closing import CLOSING
     from ..morphometry.folds import find_folds
     from ..morphometry.registration import registration_null
     from ..morphometry.shape import gyrification_index
@@ -58,7 +57,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     rest, pial = (along_pial(body, (body.nodes + u)[:, body.pial]) for u in (0.0, state["displacement"]))
     pattern, closed = pial_pattern(body, state), pial_closed(body)
     folds = find_folds(pial, thickness=body.thickness, closed=closed)
-    radius = min(CLOSING * body.thickness, folds.radius)
+    radius = min(CLOSING[0] * body.thickness, folds.radius)
     found = None if pattern is None else registration_null(pattern, pial, rest, closed=closed)
     symmetric = mirror_error(rest) <= 1e-9 * body.length
     return {
