@@ -288,6 +288,8 @@ def test_planes_with_values_that_are_not_finite_are_refused(value):
         ({"level": 1.5}, r"level=1\.5: .*values from 0 to 1"),
         ({"level": float("nan")}, "level"),
         ({"gray": 7}, r"gray=7: the image holds the labels 0, 1"),
+        ({"gray": "cortex"}, "gray='cortex' must be a whole number"),
+        ({"gray": ()}, "gray is an empty list"),
         ({"white": 1}, "gray is missing beside white"),
         ({"gray": 1, "white": 1}, "share a label"),
         ({"gray": 1, "level": 0.5}, "labels are inside or outside"),

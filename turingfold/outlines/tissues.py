@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Integers
+from ..checks import whole
 from .image import PLANES, Image, read_image
 
 NAMES = ("gray", "white", "hole")
 SHOWN = 12  # labels listed in a message
+LEAST = -(2**31)  # of all labels
+MANY = 1_000_000  # labels that are counted one by one
 
 Labels = int | Sequence[int] | None
 
@@ -49,7 +52,7 @@ def tissues_of(
     Raises ValueError for labels that the image does not have, and for an image of which none are named though
     it has several.
     """
-    labels = {name: np.atleast_1d(label) for name, label in wanted.items() if label is not None}
+    labels = {name: _labels(name, given) for name, given in wanted.items() if given is not None}
     if isinstance(image, Mapping):
         if labels or level is not None:
             raise ValueError("labels and level are for one image; a mapping holds a map of probability each.")
@@ -62,16 +65,29 @@ def tissues_of(
     if level is not None:
         raise ValueError(f"level={level:g}: labels are inside or outside; leave it out.")
     several = read.values.ndim == 4
-    known = np.arange(read.values.shape[3]) if several else _whole_values(read)
+    usable = several or _are_whole(read.values)
     for name, each in labels.items():
-        if known is None or not np.isin(each, known).all():
-            values = "no labels, but fractions" if known is None else f"the labels {_listed(known)}"
-            raise ValueError(f"{name}={wanted[name]!r}: {read.source} holds {values}.")
+        for label in each.tolist():
+            if several and not 0 <= label < read.values.shape[3]:
+                raise ValueError(
+                    f"{name}={label}: {read.source} has the maps 0 to {read.values.shape[3] - 1}."
+                )
+            if not several and not (usable and (read.values == label).any()):
+                raise ValueError(
+                    f"{name}={label}: {read.source} holds {_listed(_whole_values(read.values))}."
+                )
     used = np.concatenate(list(labels.values()))
     if len(np.unique(used)) < len(used):
         raise ValueError("gray, white and hole share a label; each label belongs to one tissue.")
     share = _sum_of_maps if several else _is_one_of
     return {name: Tissue(read, partial(share, each)) for name, each in labels.items()}
+
+
+def _labels(name: str, given: Any) -> Integers:
+    several = list(given) if np.iterable(given) and not isinstance(given, str) else [given]
+    if not several:
+        raise ValueError(f"{name} is an empty list; give its labels, or leave it out.")
+    return np.array([whole(name, label, at_least=LEAST) for label in several])
 
 
 def _is_one_of(labels: Integers, values: Any) -> Any:
@@ -99,7 +115,7 @@ def _map(image: Image, level: float | None) -> Tissue:
     values, source = image.values, image.source
     if values.ndim != 3:
         raise ValueError(f"{source} has shape {values.shape}; say which map is which, such as gray=0.")
-    known = _whole_values(image)
+    known = _whole_values(values)
     some = values[np.isfinite(values)] if known is None else known
     low, high = float(some.min(initial=np.inf)), float(some.max(initial=-np.inf))
     if not low < high or (level is not None and not low <= level < high):
@@ -110,7 +126,7 @@ def _map(image: Image, level: float | None) -> Tissue:
     if known is not None and level is not None:
         return Tissue(image, partial(np.less, level))
     if known is not None:
-        raise ValueError(f"{source} holds the labels {_listed(known)}; name those of gray, white and hole.")
+        raise ValueError(f"{source} holds {_listed(known)}; name those of gray, white and hole.")
     if level is None and not (low >= -1e-3 and high <= 1.001):
         raise ValueError(
             f"{source} has values from {low:g} to {high:g}: neither labels nor probabilities; give a level."
@@ -118,15 +134,25 @@ def _map(image: Image, level: float | None) -> Tissue:
     return Tissue(image, np.asarray, 0.5 if level is None else level)
 
 
-def _whole_values(image: Image) -> Array | None:
+def _are_whole(values: Any) -> bool:
+    """Return whether all values that are finite are whole numbers."""
+    return values.dtype.kind in "bui" or bool(((values == np.round(values)) | ~np.isfinite(values)).all())
+
+
+def _whole_values(values: Any) -> Array | None:
     """Return the different values of an image of whole numbers, or None for others."""
-    values = image.values
-    if values.dtype.kind == "b" or (values.dtype.kind == "u" and values.dtype.itemsize == 1):
-        return np.flatnonzero(np.bincount(values.ravel(order="K").astype(np.uint8))).astype(float)
-    values = values[np.isfinite(values)]
-    return np.unique(values).astype(float) if (values == np.round(values)).all() else None
+    if not _are_whole(values):
+        return None
+    values = values.ravel(order="K")
+    values = values if values.dtype.kind in "bui" else values[np.isfinite(values)]
+    low, high = (int(values.min()), int(values.max())) if values.size else (0, 0)
+    if high - low > MANY:
+        return np.unique(values).astype(float)
+    return np.asarray(np.flatnonzero(np.bincount(values.astype(np.int64) - low)) + low, dtype=float)
 
 
-def _listed(values: Array) -> str:
+def _listed(values: Array | None) -> str:
+    if values is None:
+        return "fractions, no labels"
     shown = ", ".join(f"{value:g}" for value in values[:SHOWN])
-    return shown + (f", ... {values[-1]:g}" if len(values) > SHOWN else "")
+    return "the labels " + shown + (f", ... {values[-1]:g}" if len(values) > SHOWN else "")
