@@ -81,5 +81,6 @@ def read_outline(
     used = stated if given is None else given
     scaled = tuple(loop * (used or 1.0) for loop in loops)
     if given is None:
-        note_large(file.name, scaled, 'give unit="mm"')
+        header = "" if kind == ".svg" else ' or the header "x (mm),y (mm)"'
+        note_large(file.name, scaled, f'give unit="mm"{header}')
     return Contours(scaled, tuple(names), used, file.name)
