@@ -3,6 +3,7 @@
 import copy
 import pickle
 import re
+import time
 import warnings
 from dataclasses import dataclass, replace
 
@@ -258,3 +259,16 @@ def test_results_states_and_errors_can_be_copied(copied):
     assert stopped.result.summary() == result.summary()
     path = copied(PathStoppedError("why", None, time=0.5, residual=1e-3))
     assert (str(path), path.path, path.time) == ("why", None, 0.5)
+
+
+@dataclass(frozen=True)
+class StartsSlowly(Breaks):
+    def on(self, body):
+        time.sleep(0.3)
+        return super().on(body)
+
+
+def test_the_time_limit_counts_what_the_start_takes():
+    hurried = Stepping(first=0.1, largest=0.1, seconds=0.25)
+    with pytest.raises(StoppedError, match=r"at t = 0 of 1: the time limit of 0\.25 s is reached"):
+        simulate(elastic_scene(StartsSlowly(after=1.0), stepping=hurried))
