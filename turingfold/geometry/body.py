@@ -120,7 +120,7 @@ class Body:
 
     @cached_property
     def pial(self) -> Integers:
-        """Nodes along the pial surface, counter-clockwise around the body; shape (n_pial,)."""
+        """Nodes along the pial surface, with the body on its left; shape (n_pial,)."""
         return self.boundary_path("pial")[0]
 
     @cached_property
@@ -153,7 +153,10 @@ class Body:
         return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else _reversed(nodes, closed)
 
     def boundary_path(self, name: str) -> tuple[Integers, bool]:
-        """Return the nodes of a named boundary in counter-clockwise order, and whether it is closed."""
+        """Return the nodes of a named boundary with the body on its left, and whether it is closed.
+
+        That is counter-clockwise round the body, and clockwise round a hole in it.
+        """
         facets = np.asarray(self.mesh.boundaries[name])
         nodes, closed = self._path(facets, f"boundary {name!r}")
         first = self._facet_of[nodes[0], nodes[2 % len(nodes)]]

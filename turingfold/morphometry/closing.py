@@ -21,12 +21,14 @@ def morphological_closing(points: Any, radius: float, *, closed: bool | None = N
     Of a pial surface (2, n), the way from end to end without the base. The distance is exact to a hundredth
     of the radius (GEOS). Where the curve crosses itself, its even-odd inside counts.
     Source: the outer surface of Schaer et al. 2008 (IEEE Trans. Med. Imaging 27, 161).
-    Raises ValueError for a radius that is not positive or larger than the body's.
+    Raises ValueError for a radius that is not positive or larger than the body's, and for an `InnerWall`.
     """
     import shapely
     from shapely.ops import substring
 
     curve = as_polyline(points, closed)
+    if curve.inner:
+        raise ValueError("points are an InnerWall; the closing is that of a body inside its outline.")
     positive("radius", radius, at_most=curve.radius, remedy="a larger disc gives the convex hull")
     body = shapely.make_valid(shapely.Polygon(curve.points.T))
     solid = body.buffer(radius, quad_segs=ARC).buffer(-radius, quad_segs=ARC)

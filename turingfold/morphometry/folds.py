@@ -80,6 +80,8 @@ class Folds:
 def fold_height(points: Any, *, reference: Any = None, closed: bool | None = None) -> Array:
     """Return the fold height (n,), m: signed distance to `reference` (2, m), or minus the hull depth.
 
+    On an `InnerWall` the hull is where the sulci end, and the height is the hull depth.
+
     Hull depth: distance to the side of the convex hull that bridges the fold; for a pial surface, of the
     way from its first point round the hull to its last.
     """
@@ -183,7 +185,7 @@ def wavelength_spectrum(
 
 def _height(curve: Polyline, reference: Any) -> Array:
     if reference is None:
-        return -curve.depth
+        return curve.depth if curve.inner else -curve.depth
     return signed_distance(curve.points, as_polyline(reference, curve.closed, "reference"))
 
 

@@ -25,6 +25,14 @@ COINCIDENT = 1e-12  # distance over extent below which two points are one
 THINNEST, THICKEST = 1e-3, 1.0  # cortical thickness over the radius of the body: beyond, the units differ
 
 
+class InnerWall(np.ndarray):
+    """Points (2, n) of a curve that has the body on its outer side, such as the wall of a ventricle.
+
+    `Result.pial` gives them where it is so; of one's own: `points.view(InnerWall)`. The body of any other
+    points lies inside them, whichever way they run; so gyri bulge outwards there, and inwards here.
+    """
+
+
 @dataclass(frozen=True, eq=False)
 class Polyline:
     """Checked points (2, n) of a polyline; a closed one does not repeat its first point."""
@@ -69,9 +77,13 @@ class Polyline:
 
     @cached_property
     def orientation(self) -> float:
-        """+1 if the curve, closed by its chord, runs counter-clockwise, else -1."""
-        x, y = self.points - self.points[:, :1]
-        return 1.0 if np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) >= 0 else -1.0
+        """+1 if the body is on the left, -1 if it is on the right of the curve, closed by its chord."""
+        return (1.0 if enclosed_area(self.points) >= 0 else -1.0) * (-1.0 if self.inner else 1.0)
+
+    @property
+    def inner(self) -> bool:
+        """Whether the body is on the outer side."""
+        return isinstance(self.points, InnerWall)
 
     @cached_property
     def segment_normals(self) -> Array:
@@ -159,9 +171,11 @@ class Polyline:
         at = np.arange(count) * whole_loop.length / count
         even = [np.interp(at, whole_loop.arc, row, period=whole_loop.length) for row in loop]
         mean = gaussian_filter1d(even, length * count / whole_loop.length, axis=1, mode="wrap")
-        return Polyline(
-            np.stack([np.interp(self.arc, at, row, period=whole_loop.length) for row in mean]), self.closed
-        )
+        return self._along(np.stack([np.interp(self.arc, at, row, period=whole_loop.length) for row in mean]))
+
+    def _along(self, points: Array) -> Polyline:
+        """Return other points of the same curve, with the body on the same side."""
+        return Polyline(points.view(type(self.points)), self.closed)
 
     def reversed(self) -> Polyline:
         """Return the same curve, run through from its other end."""
@@ -173,7 +187,13 @@ class Polyline:
         owner = np.repeat(np.arange(pieces.size), pieces)
         piece = np.arange(owner.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         points = self.points[:, owner] + self.segments[:, owner] * (piece / pieces[owner])
-        return Polyline(points if self.closed else np.hstack((points, self.points[:, -1:])), self.closed)
+        return self._along(points if self.closed else np.hstack((points, self.points[:, -1:])))
+
+
+def enclosed_area(points: Array) -> float:
+    """Return the area, m², that points (2, n) enclose with their chord; negative if they run clockwise."""
+    x, y = np.asarray(points - points[:, :1])
+    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
 def as_polyline(points: Any, closed: bool | None = None, name: str = "points") -> Polyline:
@@ -183,6 +203,8 @@ def as_polyline(points: Any, closed: bool | None = None, name: str = "points") -
     a row, an outline that does not close, and an open curve that does.
     """
     array = finite_array(name, points, (2, None))
+    if isinstance(points, InnerWall):
+        array = array.view(InnerWall)
     _enough(array, name)
     extent = float(np.hypot(*np.ptp(array, axis=1)))
     gap = float(np.hypot(*(array[:, -1] - array[:, 0])))

@@ -50,6 +50,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     """
     from ..morphometry.closing import CLOSING
     from ..morphometry.folds import find_folds
+    from ..morphometry.polyline import InnerWall
     from ..morphometry.registration import registration_null
     from ..morphometry.shape import gyrification_index
     from ..morphometry.walls import mirror_error, self_intersections
@@ -59,13 +60,16 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     folds = find_folds(pial, thickness=body.thickness, closed=closed)
     radius = min(CLOSING[0] * body.thickness, folds.radius)
     found = None if pattern is None else registration_null(pattern, pial, rest, closed=closed)
+    inner = isinstance(pial, InnerWall)  # which has no closing
     symmetric = mirror_error(rest) <= 1e-9 * body.length
     return {
         "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
         "self_intersections": self_intersections(pial, closed=closed),
         "gyrification_index": gyrification_index(pial, closed=closed),
-        "closed_gyrification_index": gyrification_index(pial, closing=radius, closed=closed),
-        "closing_radius": radius,
+        "closed_gyrification_index": (
+            None if inner else gyrification_index(pial, closing=radius, closed=closed)
+        ),
+        "closing_radius": None if inner else radius,
         "folds": folds.count,
         "sulcal_depth": folds.depth,
         "least_fold_depth": folds.prominence,

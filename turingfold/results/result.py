@@ -90,8 +90,10 @@ class Result:
         return self.states[-1]
 
     def pial(self, step: int = -1) -> Array:
-        """Return a state's deformed pial surface, (2, n), counter-clockwise; a half body's is completed.
+        """Return a state's deformed pial surface, (2, n), the body on its left; a half body's is completed.
 
+        That is counter-clockwise round a body. Where the body lies outside, as round a ventricle, it is
+        clockwise and an `InnerWall`, of which curvature, folds and registration have the right sign.
         Raises ValueError for a step that is none of the states'.
         """
         body = self.scene.body

@@ -6,10 +6,19 @@ import numpy as np
 
 from ..arrays import Array
 from ..geometry.body import Body
+from ..morphometry.polyline import InnerWall, enclosed_area
 
 
 def along_pial(body: Body, values: Array) -> Array:
-    """Return values (n,) or points (2, n) along the pial surface; a half body's with their mirror image."""
+    """Return values (n,) or points (2, n) along the pial surface; a half body's with their mirror image.
+
+    The body is on the left of the points. Where they run clockwise it lies outside: they are an `InnerWall`.
+    """
+    found = _completed(body, values)
+    return found.view(InnerWall) if found.ndim == 2 and enclosed_area(found) < 0 else found
+
+
+def _completed(body: Body, values: Array) -> Array:
     if not body.mirror:
         return values
     line, first, last = _mirror(body)
