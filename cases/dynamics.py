@@ -9,36 +9,43 @@ displacement and velocity, density 1100 kg/m³: how much of the shape is inertia
 import numpy as np
 
 from turingfold import (
-    AxonalTension,
-    Elastic,
     Inertia,
     Linear,
-    NeoHookean,
     Scene,
-    Schnakenberg,
     SelfContact,
     TangentialGrowth,
-    Turing,
     figures,
+    human,
+    run_case,
     semicircle,
 )
+from turingfold import parameters as p
 
-THICKNESS = 2.5e-3
 DURATIONS = (10.0, 1.0, 0.1)
 
 
-def scenes(quick=False):
-    body = semicircle(radius=0.0404, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4))
-    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-    pattern, solid = Turing(Schnakenberg(), half_waves=24), Elastic(gray=gray, white=white)
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 4,
+    base: p.Base = "clamped", seed: p.Seed = 0, density: p.Density = 1100.0,
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+):  # fmt: skip
+    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
 
     def grown_in(duration, *inertia):
-        pull = AxonalTension(strength=0.5, ramp=0.1 * duration)
-        grow = TangentialGrowth(cortex=1.9, history=Linear(duration=duration))
-        terms = (solid, pull, SelfContact(), *inertia)
-        return Scene(body=body, processes=(pattern, grow), terms=terms, until=duration)
+        history, ramp = Linear(duration=duration), 0.1 * duration
+        grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core, history=history)
+        morphogens, pull = human.pattern_and_pull(
+            kinetics=kinetics, half_waves=half_waves, strength=strength, ramp=ramp
+        )
+        processes, terms = (*morphogens, grow), (solid, *pull, SelfContact(), *inertia)
+        return Scene(body=body, processes=processes, terms=terms, until=duration, seed=seed)
 
-    inertia = Inertia(density=1100.0)
+    inertia = Inertia(density=density)
     return {"quasi-static": grown_in(1.0)} | {f"{d:g} s": grown_in(d, inertia) for d in DURATIONS}
 
 
@@ -64,3 +71,7 @@ def draw(results, figure):
     axes["energy"].legend(frameon=False)
     axes["outlines"].set(aspect="equal", xlabel="mm", title="pial surfaces at the end")
     axes["outlines"].legend(frameon=False, fontsize=8, loc="lower center")
+
+
+if __name__ == "__main__":
+    run_case(__file__)

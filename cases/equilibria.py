@@ -6,15 +6,12 @@ Half a disc with a thick cortex (T/R = 0.15) and the materials of Figure 3, mirr
 growth. Its equilibria, followed by arc length, turn back at limit points: there the body snaps to the next
 stable piece (solid; dashed states are unstable), and sulci close one after the other. At one growth there are
 several stable states. Crosses: marches of 10, 20 and 40 steps; each leaves the path where its piece ends,
-and comes to rest in a state of lower energy, on a piece that this path does not reach. The path is no result
-of a run: it is found anew, in about 20 s, whenever the figure is drawn.
+and comes to rest in a state of lower energy, on a piece that this path does not reach.
 """
 
 import numpy as np
 
 from turingfold import (
-    Elastic,
-    NeoHookean,
     Result,
     Scene,
     SelfContact,
@@ -25,27 +22,42 @@ from turingfold import (
     figures,
     fold_amplitude,
     half,
+    human,
+    largest_growth,
+    path_arrays,
+    path_of_arrays,
+    run_case,
     semicircle,
 )
-from turingfold.growth.measure import largest_growth
+from turingfold import parameters as p
 
-RADIUS, THICKNESS = 0.0404, 0.15 * 0.0404
-GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
 STEPS = {"10 steps": "x", "20 steps": "+", "40 steps": "1"}
 
 
-def scenes(quick=False):
-    body = half(semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4)))
-    terms, grow = (Elastic(gray=GRAY, white=WHITE), SelfContact()), TangentialGrowth(cortex=2.0)
-    steps = {name: Stepping(first=1 / n, largest=1 / n) for name in STEPS for n in [int(name.split()[0])]}
-    return {
-        name: Scene(body=body, processes=(grow,), terms=terms, stepping=own) for name, own in steps.items()
-    }
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 0.15 * 0.0404, elements: p.Elements = 4,
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    cortex: p.Cortex = 2.0, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
+):  # fmt: skip
+    body = half(semicircle(radius=radius, thickness=thickness, elements=elements))
+    solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
+    grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
+    found = {}
+    for name in STEPS:
+        step = 1 / int(name.split()[0])
+        stepping = Stepping(first=step, largest=step)
+        found[name] = Scene(body=body, processes=(grow,), terms=(solid, SelfContact()), stepping=stepping)
+    return found
 
 
-def draw(results, figure):
-    scene = results["10 steps"].scene
-    path = equilibria(scene, arc=0.1)
+def computed(results):
+    return path_arrays(equilibria(results["10 steps"].scene, arc=0.1))
+
+
+def draw(results, figure, computed):
+    scene, path = results["10 steps"].scene, path_of_arrays(computed)
     figure.set_size_inches(10, 6)
     left, right = figure.subfigures(1, 2, width_ratios=(2, 1))
     axes = left.add_subplot()
@@ -69,3 +81,7 @@ def draw(results, figure):
         panel.set_title(f"{letter}  growth {growth:.2f}, {figures.numbers(followed, place)}", fontsize=8)
         at = fold_amplitude(scene.body, [path.points[place].state["displacement"]])[0]
         axes.annotate(letter, (growth, 1e3 * at), xytext=(4, 4), textcoords="offset points")
+
+
+if __name__ == "__main__":
+    run_case(__file__)

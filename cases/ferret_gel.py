@@ -8,24 +8,38 @@ for 1.5 h (t = 1). The solvent reaches depth y as erfc(y/√(4 D t)) with D = 0.
 = 5): our choices.
 """
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures, semicircle
-from turingfold.growth.imperfection import Imperfection
-from turingfold.growth.swelling import SurfaceSwelling
+from turingfold import (
+    Imperfection,
+    Scene,
+    SelfContact,
+    SurfaceSwelling,
+    ferret,
+    figures,
+    run_case,
+    semicircle,
+)
+from turingfold import parameters as p
 
-COAT = 0.025
-LAYERS = {1: 3, 4: 4, 8: 5}  # elements across so many coats
+COATS = {1: 1, 4: 4 / 3, 8: 5 / 3}  # elements across so many coats, over those across one
 
 
-def scenes(quick=False):
+@p.quick(elements=2, swelling=1.2)
+def scenes(
+    quick=False, *,
+    coat: p.RelativeThickness = 0.025, elements: p.Elements = 3, bulk: p.BulkRatio = 5.0,
+    swelling: p.Cortex = 2.5, diffusivity: p.Diffusivity = 0.02,
+    amplitude: p.Amplitude = 0.005, seed: p.Seed = 0,
+):  # fmt: skip
     found = {}
-    for coats, layers in LAYERS.items():
-        thickness = coats * COAT
-        size = thickness / (2 if quick else layers)
-        body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller", layers="sigmoid")
-        swelling = SurfaceSwelling(final=1.2 if quick else 2.5, diffusivity=0.02)
-        terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
+    for coats, more in COATS.items():
+        across = elements if quick else elements * more
+        body = semicircle(
+            radius=1.0, thickness=coats * coat, elements=across, base="roller", layers="sigmoid"
+        )
+        wet = SurfaceSwelling(final=swelling, diffusivity=diffusivity)
+        processes, terms = (wet, Imperfection(amplitude=amplitude)), (ferret.tissue(bulk=bulk), SelfContact())
         name = f"{coats} coats" if coats > 1 else "1 coat"
-        found[name] = Scene(body=body, processes=(swelling, Imperfection(amplitude=0.005)), terms=terms)
+        found[name] = Scene(body=body, processes=processes, terms=terms, seed=seed)
     return found
 
 
@@ -38,3 +52,7 @@ def draw(results, figure):
     drawn = figures.grid(figure, shown, columns=2)
     for axes, (result, _) in zip(drawn, shown.values(), strict=True):
         figures.before(axes, result)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

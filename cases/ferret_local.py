@@ -11,14 +11,23 @@ Over the seeds 0, 1 and 2: 2 g deepens the folds of the zone from 1.6 to 1.8 T t
 or 7 sulci there instead of 2 or 3, and normal ones beyond it.
 """
 
-from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, figures, semicircle
-from turingfold.geometry.mirror import half
-from turingfold.growth.imperfection import Imperfection
-from turingfold.growth.laws import RateGrowth
-from turingfold.growth.zones import Ellipse, Zone
+from turingfold import (
+    Drag,
+    Ellipse,
+    Imperfection,
+    RateGrowth,
+    Scene,
+    SelfContact,
+    Stepping,
+    Zone,
+    ferret,
+    figures,
+    half,
+    run_case,
+    semicircle,
+)
+from turingfold import parameters as p
 
-THICKNESS, RATE, P32 = 0.1, 1.9, 0.44
-TERMS = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(), Drag(coefficient=3.0))
 AROUND_APEX = Ellipse(centre=(0.0, 1.0), semi_axes=(0.5, 0.4), edge=0.12)
 CHANGES = {
     "normal": (1.0, 1.0),
@@ -31,22 +40,29 @@ CHANGES = {
 }
 
 
-def scenes(quick=False):
-    size = THICKNESS / (2 if quick else 8)  # 2 elements across a quarter of the thickness
-    body = half(semicircle(radius=1.0, thickness=THICKNESS, size=size, base="roller", layers="sigmoid"))
-    step = 1 / 10 if quick else 1 / 40
+@p.quick(elements=2, steps=10, until=0.1)
+def scenes(
+    quick=False, *,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 8, bulk: p.BulkRatio = 5.0,
+    rate: p.Rate = 1.9, thinning: p.Thinning = 0.5, drag: p.Drag = 3.0, amplitude: p.Amplitude = 0.05,
+    until: p.Until = ferret.P32, steps: p.Steps = 40, seed: p.Seed = 0,
+):  # fmt: skip
+    whole = semicircle(radius=1.0, thickness=thickness, elements=elements, base="roller", layers="sigmoid")
+    terms = (ferret.tissue(bulk=bulk), SelfContact(), Drag(coefficient=drag))
+    options = {"body": half(whole), "terms": terms, "until": until, "seed": seed}
+    stepping = Stepping(first=1 / steps, largest=1 / steps)
     found = {}
-    for name, (growth, thickness) in CHANGES.items():
-        zone = Zone(region=AROUND_APEX, growth=growth, thickness=thickness)
-        found[name] = Scene(
-            body=body,
-            processes=(RateGrowth(rate=RATE, zones=(zone,)), Imperfection(amplitude=0.05, modes=10)),
-            terms=TERMS,
-            until=0.1 if quick else P32,
-            stepping=Stepping(first=step, largest=step),
-        )
+    for name, (growth, share) in CHANGES.items():
+        zone = Zone(region=AROUND_APEX, growth=growth, thickness=share)
+        grow = RateGrowth(rate=rate, thinning=thinning, zones=(zone,))
+        processes = (grow, Imperfection(amplitude=amplitude, modes=10))
+        found[name] = Scene(processes=processes, stepping=stepping, **options)
     return found
 
 
 def draw(results, figure):
     figures.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=3)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

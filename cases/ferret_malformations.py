@@ -18,37 +18,55 @@ folds 1.5 times as far apart take up the excess surface, (e^{0.63} - 1)/(e^{0.84
 the same depth.
 """
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures, semicircle
-from turingfold.growth.imperfection import Imperfection
-from turingfold.growth.laws import RateGrowth
-from turingfold.growth.zones import Window, Zone
+from turingfold import (
+    Imperfection,
+    RateGrowth,
+    Scene,
+    SelfContact,
+    Window,
+    Zone,
+    ferret,
+    figures,
+    run_case,
+    semicircle,
+)
+from turingfold import parameters as p
 
-THICKNESS, RATE, P32 = 0.1, 1.9, 0.44
-TERMS = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
 THIN_WINDOW = Zone(region=Window(start=0.35, end=0.65, edge=0.05), thickness=0.25)
 
 
-def brain(growth, thickness=1.0, layers=4, quick=False):
-    """Return a scene; thickness in units of the normal one, layers: elements across the cortex."""
-    across = thickness * THICKNESS
-    size = across / (2 if quick else layers)
-    body = semicircle(radius=1.0, thickness=across, size=size, base="roller", layers="sigmoid")
-    processes = (growth, Imperfection(amplitude=0.02))
-    return Scene(body=body, processes=processes, terms=TERMS, until=0.1 if quick else P32)
+@p.quick(elements=2, until=0.1)
+def scenes(
+    quick=False, *,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 4, bulk: p.BulkRatio = 5.0,
+    rate: p.Rate = 1.9, thinning: p.Thinning = 0.5, radial_rate: p.Rate = 0.6,
+    amplitude: p.Amplitude = 0.02, until: p.Until = ferret.P32, seed: p.Seed = 0,
+):  # fmt: skip
+    def brain(growth, times=1.0, more=1.0, **options):
+        """Return a scene; growth, thickness and elements over the normal ones."""
+        across = elements if quick else elements * more
+        body = semicircle(
+            radius=1.0, thickness=times * thickness, elements=across, base="roller", layers="sigmoid"
+        )
+        grow = RateGrowth(rate=growth * rate, thinning=thinning, **options)
+        terms, noise = (ferret.tissue(bulk=bulk), SelfContact()), Imperfection(amplitude=amplitude)
+        return Scene(body=body, processes=(grow, noise), terms=terms, until=until, seed=seed)
 
-
-def scenes(quick=False):
     return {
-        "normal": brain(RateGrowth(rate=RATE), quick=quick),
-        "PMG: T/4": brain(RateGrowth(rate=RATE), 0.25, 3, quick),
-        "thick: 2 T": brain(RateGrowth(rate=RATE), 2.0, 5, quick),
-        "SCN3A: local T/4": brain(RateGrowth(rate=RATE, zones=(THIN_WINDOW,)), layers=6, quick=quick),
-        "ASPM: rate/4": brain(RateGrowth(rate=RATE / 4), quick=quick),
-        "TMEM161B: 0.75 rate, 1.5 T": brain(RateGrowth(rate=0.75 * RATE), 1.5, quick=quick),
-        "Cdk5: 0.75 rate": brain(RateGrowth(rate=0.75 * RATE), quick=quick),
-        "ARHGAP11B: 1.15 rate, radial": brain(RateGrowth(rate=1.15 * RATE, radial_rate=0.6), quick=quick),
+        "normal": brain(1.0),
+        "PMG: T/4": brain(1.0, 0.25, 0.75),
+        "thick: 2 T": brain(1.0, 2.0, 1.25),
+        "SCN3A: local T/4": brain(1.0, more=1.5, zones=(THIN_WINDOW,)),
+        "ASPM: rate/4": brain(0.25),
+        "TMEM161B: 0.75 rate, 1.5 T": brain(0.75, 1.5),
+        "Cdk5: 0.75 rate": brain(0.75),
+        "ARHGAP11B: 1.15 rate, radial": brain(1.15, radial_rate=radial_rate),
     }
 
 
 def draw(results, figure):
     figures.grid(figure, {name: (result, -1) for name, result in results.items()}, columns=2, width=4.2)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

@@ -20,37 +20,51 @@ index 0.6 to 1.3 per cent lower on 1 x, a third of it because the surface is mea
 meshes: seed 0 only. Amplitude, drag and coarsest mesh were chosen on the seeds 0 to 5; 6 to 9 were new.
 """
 
-from turingfold import Drag, Elastic, NeoHookean, Scene, SelfContact, Stepping, figures, semicircle
-from turingfold.geometry.mirror import half
-from turingfold.growth.imperfection import Imperfection
-from turingfold.growth.laws import RateGrowth
-
-THICKNESS, COARSEST, P32 = 0.1, 0.025, 0.44
-SOLID, FLOW = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Drag(coefficient=3.0)
-PROCESSES = (RateGrowth(rate=1.9), Imperfection(amplitude=0.05, modes=10))
-
-
-def brain(finer, seed=0, quick=False):
-    """Return a scene with `finer` times as many triangles in the cortex as the coarsest mesh has."""
-    size = COARSEST / finer**0.5
-    whole = semicircle(radius=1.0, thickness=THICKNESS, size=size, base="roller", layers="sigmoid")
-    walls = SelfContact(gap=0.4 * (finer / 12) ** 0.5)  # touch at the same distance on every mesh
-    step = 1 / 10 if quick else 1 / 40
-    return Scene(
-        body=half(whole),
-        processes=PROCESSES,
-        terms=(SOLID, walls, FLOW),
-        until=0.1 if quick else P32,
-        stepping=Stepping(first=step, largest=step),
-        seed=seed,
-    )
+from turingfold import (
+    Drag,
+    Imperfection,
+    RateGrowth,
+    Scene,
+    SelfContact,
+    Stepping,
+    ferret,
+    figures,
+    half,
+    run_case,
+    semicircle,
+)
+from turingfold import parameters as p
 
 
-def scenes(quick=False):
-    return {f"{finer} x": brain(finer, quick=quick) for finer in ((1, 4) if quick else (1, 4, 8, 12))}
+@p.quick(steps=10, until=0.1)
+def scenes(
+    quick=False, *,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 4, bulk: p.BulkRatio = 5.0,
+    rate: p.Rate = 1.9, thinning: p.Thinning = 0.5, drag: p.Drag = 3.0, amplitude: p.Amplitude = 0.05,
+    until: p.Until = ferret.P32, steps: p.Steps = 40, seed: p.Seed = 0,
+):  # fmt: skip
+    found = {}
+    for finer in (1, 4) if quick else (1, 4, 8, 12):
+        size = thickness / elements / finer**0.5
+        whole = semicircle(radius=1.0, thickness=thickness, size=size, base="roller", layers="sigmoid")
+        walls = SelfContact(gap=0.4 * (finer / 12) ** 0.5)  # touch at the same distance on every mesh
+        grow = RateGrowth(rate=rate, thinning=thinning)
+        found[f"{finer} x"] = Scene(
+            body=half(whole),
+            processes=(grow, Imperfection(amplitude=amplitude, modes=10)),
+            terms=(ferret.tissue(bulk=bulk), walls, Drag(coefficient=drag)),
+            until=until,
+            stepping=Stepping(first=1 / steps, largest=1 / steps),
+            seed=seed,
+        )
+    return found
 
 
 def draw(results, figure):
     counts = {name: 2 * result.scene.body.in_cortex.sum() for name, result in results.items()}
     notes = {name: f"{count} triangles in the cortex" for name, count in counts.items()}
     figures.grid(figure, {k: (r, -1) for k, r in results.items()}, columns=2, notes=notes, width=4.2)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

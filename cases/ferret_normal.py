@@ -8,27 +8,35 @@ the bottom (y < -0.4), each with a ramp of 0.2. P32 is t = 0.44, where the corte
 along its surface; that growth slows down with age, to 1/e in 12 days, is our choice.
 """
 
-import numpy as np
+from turingfold import (
+    Ellipse,
+    Imperfection,
+    RateGrowth,
+    Scene,
+    SelfContact,
+    Zone,
+    ferret,
+    figures,
+    growth_time,
+    outline,
+    run_case,
+)
+from turingfold import parameters as p
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures
-from turingfold.growth.histories import growth_time
-from turingfold.growth.imperfection import Imperfection
-from turingfold.growth.laws import RateGrowth
-from turingfold.growth.zones import Ellipse, HalfPlane, Zone
-from turingfold.outlines import outline
-
-THICKNESS, P32 = 0.1, 0.44
 MIDDLE = Zone(region=Ellipse(centre=(0, 0), semi_axes=(0.5, 0.5), edge=0.2, ramp="straight"), growth=0.0)
-BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
 
 
-def scenes(quick=False):
-    angle = 2 * np.pi * np.arange(240) / 240
-    circle = np.stack([np.cos(angle), np.sin(angle)])
-    body = outline(circle, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4), layers="sigmoid")
-    processes = (RateGrowth(rate=1.9, zones=(MIDDLE, BOTTOM)), Imperfection(amplitude=0.02))
-    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
-    return {"continuous": Scene(body=body, processes=processes, terms=terms, until=0.1 if quick else P32)}
+@p.quick(elements=2, until=0.1)
+def scenes(
+    quick=False, *,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 4, bulk: p.BulkRatio = 5.0,
+    rate: p.Rate = 1.9, thinning: p.Thinning = 0.5, amplitude: p.Amplitude = 0.02,
+    until: p.Until = ferret.P32, seed: p.Seed = 0,
+):  # fmt: skip
+    body = outline(ferret.circle(), thickness=thickness, elements=elements, layers="sigmoid")
+    grow = RateGrowth(rate=rate, thinning=thinning, zones=(MIDDLE, ferret.BOTTOM))
+    processes, terms = (grow, Imperfection(amplitude=amplitude)), (ferret.tissue(bulk=bulk), SelfContact())
+    return {"continuous": Scene(body=body, processes=processes, terms=terms, until=until, seed=seed)}
 
 
 def draw(results, figure):
@@ -38,3 +46,7 @@ def draw(results, figure):
         time = growth_time(day, duration=result.scene.until)
         shown[f"P{day}"] = result, figures.nearest_step(result, time)
     figures.grid(figure, shown, columns=5, width=2.6)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

@@ -14,38 +14,39 @@ from pathlib import Path
 
 import numpy as np
 
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, figures
-from turingfold.growth.laws import RateGrowth
-from turingfold.growth.zones import HalfPlane, Zone
-from turingfold.outlines import outline, read_outline
+from turingfold import RateGrowth, Scene, SelfContact, ferret, figures, outline, read_outline, run_case
+from turingfold import parameters as p
 
 BESIDE = Path(__file__).parents[2] / "shared" / "reference" / "ferret"
 FOLDER = Path(os.environ.get("FERRET_OUTLINES", BESIDE))
-UNTIL = {"left": 0.447, "right": 0.362}  # where the perimeter has grown by 1.551 and 1.354
 PUBLISHED = {"left": 1.401, "right": 1.233}  # gyrification index of stage 4
-BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
 
 
 def section(side, stage):
     """Return the published outline, (2, n)."""
     if not FOLDER.is_dir():
-        raise ValueError(
+        raise FileNotFoundError(
             f"there is no folder {FOLDER}; set FERRET_OUTLINES to one with coronal_q25_left_stage1.csv etc., "
-            "sections at a quarter of the length of the surfaces published with Choi et al. 2025."
+            "sections at a quarter of the length of the surfaces published with Choi et al. 2025"
         )
     return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv", unit=1.0).single()
 
 
-def scenes(quick=False):
+@p.quick(elements=2, until_left=0.1, until_right=0.1)
+def scenes(
+    quick=False, *,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 4, bulk: p.BulkRatio = 5.0,
+    rate: p.Rate = 1.9, thinning: p.Thinning = 0.5,
+    # where the perimeters have grown by 1.551 and 1.354
+    until_left: p.Until = 0.447, until_right: p.Until = 0.362,
+):  # fmt: skip
     found = {}
-    for side, until in UNTIL.items():
-        size = 0.05 if quick else 0.025
-        body = outline(
-            section(side, 1), thickness=0.1, size=size, smooth=0.04, tight="trim", layers="sigmoid"
-        )
-        terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
-        growth = RateGrowth(rate=1.9, zones=(BOTTOM,))
-        found[side] = Scene(body=body, processes=(growth,), terms=terms, until=0.1 if quick else until)
+    for side, until in {"left": until_left, "right": until_right}.items():
+        options = {"thickness": thickness, "elements": elements, "layers": "sigmoid"}
+        body = outline(section(side, 1), smooth=0.04, tight="trim", **options)
+        grow = RateGrowth(rate=rate, thinning=thinning, zones=(ferret.BOTTOM,))
+        terms = (ferret.tissue(bulk=bulk), SelfContact())
+        found[side] = Scene(body=body, processes=(grow,), terms=terms, until=until)
     return found
 
 
@@ -66,3 +67,6 @@ def draw(results, figure):
 def perimeter(points):
     """Return the length of a closed polygon (2, n)."""
     return float(np.hypot(*(points - np.roll(points, 1, axis=1))).sum())
+
+if __name__ == "__main__":
+    run_case(__file__)

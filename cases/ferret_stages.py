@@ -13,48 +13,53 @@ Over the seeds 0 to 4 all outlines can be traced, and the gyrification index gro
 1.62 to 1.69 at P32.
 """
 
-from functools import cache
+from turingfold import (
+    Imperfection,
+    RateGrowth,
+    Scene,
+    SelfContact,
+    Stepping,
+    ferret,
+    figures,
+    outline,
+    retraced,
+    run_case,
+    simulate,
+)
+from turingfold import parameters as p
 
-import numpy as np
-
-from turingfold import Elastic, NeoHookean, Scene, SelfContact, Stepping, figures, simulate
-from turingfold.growth.imperfection import Imperfection
-from turingfold.growth.laws import RateGrowth
-from turingfold.growth.zones import HalfPlane, Zone
-from turingfold.outlines import outline
-from turingfold.outlines.remesh import retraced
-
-THICKNESS = 0.1
 STAGES = {"P0 to P4": 0.36, "P4 to P8": 0.12, "P8 to P16": 0.12, "P16 to P32": 0.12}
-BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
 
 
-@cache  # each stage needs the ends of all before it
-def stages(seed=0, quick=False):
-    """Return the scenes by name; each is made of the end of the last."""
-    size = THICKNESS / (2 if quick else 3)
-    angle = 2 * np.pi * np.arange(240) / 240
-    body = outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=THICKNESS, size=size, layers="sigmoid")
-    processes = (RateGrowth(rate=1.9, zones=(BOTTOM,)), Imperfection(amplitude=0.1, modes=20))
-    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
-    steps = Stepping(first=0.25, largest=0.25) if quick else Stepping(first=1 / 16, largest=1 / 16)
+@p.quick(elements=2, steps=4, shorter=6, inset=0.02)
+def scenes(
+    quick=False, *,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 3, bulk: p.BulkRatio = 5.0,
+    rate: p.Rate = 1.9, thinning: p.Thinning = 0.5, amplitude: p.Amplitude = 0.1,
+    inset: p.Inset = 0.008, shorter: p.Shorter = 1.0, steps: p.Steps = 16, seed: p.Seed = 0,
+):  # fmt: skip
+    size = thickness / elements
+    body = outline(ferret.circle(), thickness=thickness, size=size, layers="sigmoid")
+    grow = RateGrowth(rate=rate, thinning=thinning, zones=(ferret.BOTTOM,))
+    processes = (grow, Imperfection(amplitude=amplitude, modes=20))
+    terms, stepping = (ferret.tissue(bulk=bulk), SelfContact()), Stepping(first=1 / steps, largest=1 / steps)
     found = {}
     for name, duration in STAGES.items():
         if found:
             before = simulate(found[list(found)[-1]]).last
-            body = retraced(body, before, size=size, inset=0.02 if quick else 0.008)
-        until = duration / 6 if quick else duration
+            body = retraced(body, before, size=size, inset=inset)
         found[name] = Scene(
-            body=body, processes=processes, terms=terms, until=until, stepping=steps, seed=seed
-        )
+            body=body, processes=processes, terms=terms, until=duration / shorter, seed=seed,
+            stepping=stepping,
+        )  # fmt: skip
     return found
-
-
-def scenes(quick=False):
-    return dict(stages(quick=quick))
 
 
 def draw(results, figure):
     shown = {name: (result, -1) for name, result in results.items()}
     for axes, result in zip(figures.grid(figure, shown, columns=4, width=3.0), results.values(), strict=True):
         figures.before(axes, result)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

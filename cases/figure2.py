@@ -8,18 +8,7 @@ thickness everywhere. The pattern has 20 half waves: 9 peaks, and half a peak at
 Without pattern the axons pull equally at as many places.
 """
 
-from turingfold import (
-    AxonalTension,
-    Scene,
-    SelfContact,
-    TangentialGrowth,
-    Turing,
-    figures,
-    human,
-    kinetics_named,
-    run_case,
-    semiellipse,
-)
+from turingfold import Scene, SelfContact, TangentialGrowth, figures, human, run_case, semiellipse
 from turingfold import parameters as p
 
 
@@ -37,11 +26,11 @@ def scenes(
     solid = human.tissue(
         young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers
     )
-    morphogen = (Turing(kinetics_named(kinetics), half_waves=half_waves),) if pattern else ()
-    patches = 0 if pattern else max(1, half_waves // 2)
-    pull = (AxonalTension(strength=strength, patches=patches),) if tension else ()
+    morphogens, pull = human.pattern_and_pull(
+        kinetics=kinetics, half_waves=half_waves, strength=strength, pattern=pattern, tension=tension
+    )
     grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
-    processes, terms = (*morphogen, grow), (solid, *pull, SelfContact())
+    processes, terms = (*morphogens, grow), (solid, *pull, SelfContact())
     return {"three hypotheses": Scene(body=body, processes=processes, terms=terms, seed=seed)}
 
 

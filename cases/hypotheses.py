@@ -11,41 +11,42 @@ is there and moves nothing.
 
 from itertools import product
 
-from turingfold import (
-    AxonalTension,
-    Elastic,
-    NeoHookean,
-    Scene,
-    Schnakenberg,
-    SelfContact,
-    TangentialGrowth,
-    Turing,
-    figures,
-    semicircle,
-)
-
-THICKNESS = 2.5e-3
-GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
+from turingfold import Scene, SelfContact, TangentialGrowth, figures, human, run_case, semicircle
+from turingfold import parameters as p
 
 
-def scenes(quick=False):
-    body = semicircle(radius=0.0404, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4))
-    return {name_of(*on): scene(body, *on) for on in product((True, False), repeat=3)}
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 4,
+    base: p.Base = "clamped", seed: p.Seed = 0,
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0, even: p.Even = 1.2,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+    patches: p.Patches = 8,
+):  # fmt: skip
+    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+
+    def scene(differential, tension, pattern):
+        solid = human.tissue(
+            young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=differential
+        )
+        morphogens, pull = human.pattern_and_pull(
+            kinetics=kinetics, half_waves=half_waves, strength=strength, pattern=pattern, tension=tension,
+            patches=patches,
+        )  # fmt: skip
+        grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
+        if not differential:
+            grow = TangentialGrowth(cortex=even, core=even, radial_core=even, radial_cortex=even)
+        terms = (solid, *pull, SelfContact())
+        return Scene(body=body, processes=(*morphogens, grow), terms=terms, seed=seed)
+
+    return {name_of(*on): scene(*on) for on in product((True, False), repeat=3)}
 
 
 def name_of(differential, tension, pattern):
     on = zip(("DGH", "ATH", "IPH"), (differential, tension, pattern), strict=True)
     return " + ".join(name for name, there in on if there) or "none"
-
-
-def scene(body, differential, tension, pattern):
-    if differential:
-        solid, grow = Elastic(gray=GRAY, white=WHITE), TangentialGrowth(cortex=1.9)
-    else:
-        solid, grow = Elastic(gray=GRAY), TangentialGrowth(cortex=1.2, core=1.2, radial_core=1.2)
-    morphogen = (Turing(Schnakenberg(), half_waves=24),) if pattern else ()
-    pull = (AxonalTension(strength=0.5, patches=0 if pattern else 8),) if tension else ()
-    return Scene(body=body, processes=(*morphogen, grow), terms=(solid, *pull, SelfContact()))
 
 
 def draw(results, figure):
@@ -54,3 +55,7 @@ def draw(results, figure):
         idle = "IPH" in name and "ATH" not in name
         note = " (the pattern has no way to act)" if idle else ""
         axes.set_title(f"{name}{note}\n{figures.measures(result)}", fontsize=10)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

@@ -9,45 +9,58 @@ half waves) and one of half that wave number. Registration: +1 gyri, -1 sulci on
 
 from turingfold import (
     AxonalTension,
-    Elastic,
-    NeoHookean,
     Scene,
-    Schnakenberg,
     SelfContact,
     TangentialGrowth,
     Turing,
     figures,
+    human,
+    kinetics_named,
     registration,
+    run_case,
     semicircle,
 )
+from turingfold import parameters as p
 
-THICKNESS = 2.5e-3
-PLACES = {
-    "pial, towards peaks": AxonalTension(strength=150.0, surface="pial", direction="toward-peaks"),
-    "pial, between peaks": AxonalTension(strength=150.0, surface="pial", direction="between-peaks"),
-    "interface": AxonalTension(strength=0.5, surface="interface"),
-}
-HALF_WAVES = (24, 12)
 EARLY = 0.15  # time at which the load has its strength and growth has not folded the cortex yet
 
 
-def scenes(quick=False):
-    body = semicircle(radius=0.0404, thickness=THICKNESS, size=THICKNESS / (2 if quick else 4))
-    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-    solid, contact, grow = Elastic(gray=gray, white=white), SelfContact(), TangentialGrowth(cortex=1.9)
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 4,
+    base: p.Base = "clamped", seed: p.Seed = 0,
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+    traction: p.Traction = 150.0,
+):  # fmt: skip
+    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
+    grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
+    places = {
+        "pial, towards peaks": AxonalTension(strength=traction, surface="pial", direction="toward-peaks"),
+        "pial, between peaks": AxonalTension(strength=traction, surface="pial", direction="between-peaks"),
+        "interface": AxonalTension(strength=strength, surface="interface"),
+    }
     found = {}
-    for place, pull in PLACES.items():
-        for count in HALF_WAVES:
-            processes, terms = (Turing(Schnakenberg(), half_waves=count), grow), (solid, pull, contact)
-            found[f"{place}, {count} half waves"] = Scene(body=body, processes=processes, terms=terms)
+    for place, pull in places.items():
+        for count in (half_waves, max(1, half_waves // 2)):
+            processes = (Turing(kinetics_named(kinetics), half_waves=count), grow)
+            scene = Scene(body=body, processes=processes, terms=(solid, pull, SelfContact()), seed=seed)
+            found[f"{place}, {count} half waves"] = scene
     return found
 
 
 def draw(results, figure):
     figure.set_size_inches(12, 9)
-    for axes, name, result in figures.section_grid(figure, len(PLACES), len(HALF_WAVES), results):
+    for axes, name, result in figures.section_grid(figure, 3, 2, results):
         early = next(k for k, state in enumerate(result.states) if state.time >= EARLY)
         before, after = (registration(result.pattern(), result.pial(k), result.pial(0)) for k in (early, -1))
         folds = figures.sulci(result.summary()["folds"])
         words = f"registration {before:+.2f} before folding, {after:+.2f} after; {folds}"
         axes.set_title(f"{name}\n{words}", fontsize=10)
+
+
+if __name__ == "__main__":
+    run_case(__file__)

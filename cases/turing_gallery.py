@@ -6,49 +6,35 @@ Each at its published parameters, with the diffusivities that make 24 half waves
 steady, certified by Newton's method and the leading eigenvalue. The mechanics is a body at rest.
 """
 
-from turingfold import (
-    BVAM,
-    BVAM2012,
-    Brusselator,
-    Elastic,
-    FitzHughNagumo,
-    GiererMeinhardt,
-    GrayScott,
-    KochMeinhardt,
-    LengyelEpstein,
-    NeoHookean,
-    Scene,
-    Schnakenberg,
-    Stepping,
-    Thomas,
-    Turing,
-    figures,
-    semicircle,
-)
+from turingfold import Scene, Stepping, Turing, figures, human, kinetics_named, run_case, semicircle
+from turingfold import parameters as p
 
-THICKNESS = 2.5e-3
 KINETICS = {
-    "Schnakenberg": Schnakenberg(),
-    "Gierer-Meinhardt": GiererMeinhardt(),
-    "Koch-Meinhardt, saturated": KochMeinhardt(),
-    "Brusselator": Brusselator(),
-    "Thomas": Thomas(),
-    "Gray-Scott": GrayScott(),
-    "Lengyel-Epstein": LengyelEpstein(),
-    "BVAM, stripes": BVAM(),
-    "BVAM 2012": BVAM2012(),
-    "FitzHugh-Nagumo": FitzHughNagumo(),
+    "Schnakenberg": "Schnakenberg",
+    "Gierer-Meinhardt": "GiererMeinhardt",
+    "Koch-Meinhardt, saturated": "KochMeinhardt",
+    "Brusselator": "Brusselator",
+    "Thomas": "Thomas",
+    "Gray-Scott": "GrayScott",
+    "Lengyel-Epstein": "LengyelEpstein",
+    "BVAM, stripes": "BVAM",
+    "BVAM 2012": "BVAM2012",
+    "FitzHugh-Nagumo": "FitzHughNagumo",
 }
 
 
-def scenes(quick=False):
-    body = semicircle(radius=0.0404, thickness=THICKNESS, size=THICKNESS / 6)
-    gray = NeoHookean.from_young(1389.0, 0.4583)
-    solid, at_once = Elastic(gray=gray, white=gray), Stepping(first=1.0, largest=1.0)
-    return {
-        name: Scene(body=body, processes=(Turing(kinetics),), terms=(solid,), stepping=at_once)
-        for name, kinetics in list(KINETICS.items())[: 3 if quick else None]
-    }
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
+    half_waves: p.HalfWaves = 24, seed: p.Seed = 0,
+):  # fmt: skip
+    body = semicircle(radius=radius, thickness=thickness, elements=elements)
+    at_rest, at_once = human.tissue(two_layers=False), Stepping(first=1.0, largest=1.0)
+    found = {}
+    for title, name in list(KINETICS.items())[: 3 if quick else None]:
+        pattern = Turing(kinetics_named(name), half_waves=half_waves)
+        found[title] = Scene(body=body, processes=(pattern,), terms=(at_rest,), stepping=at_once, seed=seed)
+    return found
 
 
 def draw(results, figure):
@@ -65,3 +51,7 @@ def draw(results, figure):
         curve.spines[["top", "right"]].set_visible(False)
         curve.tick_params(labelbottom=name == list(results)[-1])
     curve.set_xlabel("arc length along the pial surface (mm)")
+
+
+if __name__ == "__main__":
+    run_case(__file__)

@@ -8,70 +8,65 @@ each with the steady pattern of the undeformed band and with one that goes on re
 """
 
 import numpy as np
-from skfem import MeshTri
 
 from turingfold import (
-    AxonalTension,
-    Elastic,
-    NeoHookean,
+    EvolvingTuring,
     Scene,
     Schnakenberg,
     SelfContact,
     TangentialGrowth,
     Turing,
     figures,
+    growing_strip,
+    human,
+    kinetics_named,
+    run_case,
     semicircle,
+    sign_changes,
 )
-from turingfold.turing.evolving import EvolvingTuring
-from turingfold.turing.growing import march_growing
-from turingfold.turing.modes import sign_changes
-from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
+from turingfold import parameters as p
 
-THICKNESS = 2.5e-3
-GROWTH = {"growth 1.9": (24, 1.9), "growth 3": (20, 3.0)}  # half waves at the start, growth of the cortex
-PACE = 1000.0  # kinetic time in the time of growth: the pattern follows the tissue
+GROWTH = {"growth 1.9": (1.0, 1.9), "growth 3": (5 / 6, 3.0)}  # half waves over the parameter, cortex
+RATE = 0.01  # of the strip's growth
 
 
-def scenes(quick=False):
-    body = semicircle(radius=0.0404, thickness=THICKNESS, size=THICKNESS / (2 if quick else 3))
-    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-    terms = (Elastic(gray=gray, white=white), AxonalTension(strength=0.5), SelfContact())
+@p.quick(elements=2)
+def scenes(
+    quick=False, *,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 3,
+    base: p.Base = "clamped", seed: p.Seed = 0,
+    young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+    pace: p.Pace = 1000.0,
+):  # fmt: skip
+    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
+    _, pull = human.pattern_and_pull(strength=strength)
     found = {}
-    for name, (half_waves, cortex) in GROWTH.items():
-        steady = Turing(Schnakenberg(), half_waves=half_waves)
-        for kind, pattern in {"steady": steady, "evolving": EvolvingTuring(steady, pace=PACE)}.items():
-            processes = (pattern, TangentialGrowth(cortex=cortex))
-            found[f"{kind} pattern, {name}"] = Scene(body=body, processes=processes, terms=terms)
+    for name, (share, cortex) in GROWTH.items():
+        steady = Turing(kinetics_named(kinetics), half_waves=max(1, round(share * half_waves)))
+        for kind, pattern in {"steady": steady, "evolving": EvolvingTuring(steady, pace=pace)}.items():
+            processes, terms = (pattern, TangentialGrowth(cortex=cortex)), (solid, *pull, SelfContact())
+            scene = Scene(body=body, processes=processes, terms=terms, seed=seed)
+            found[f"{kind} pattern, {name}"] = scene
     return found
 
 
-def doubling(along=160, rate=0.01, until=285.0):
-    """Return times, positions, u (times, positions) and half waves on a strip that grows exponentially."""
-    space = discretise(MeshTri.init_tensor(np.linspace(0, 1, along + 1), np.array([0, 1 / along])), 2)
-    line = np.flatnonzero(space.nodes[1] == 0.0)
-    line = line[np.argsort(space.nodes[0, line])]
-    system = ReactionDiffusion(space, Schnakenberg(), 0.01, 1.0)
-    state = system.uniform(1.0, 0.9)
-    state[0] += 0.001 * np.cos(np.pi * space.nodes[0])
-    run = march_growing(
-        system, state, lambda t: float(np.exp(rate * t)), until=until, dimensions=1, tolerance=1e-3
-    )
-    times, values = zip(*((moment.time, moment.state[0, line]) for moment in run), strict=True)
-    counts = np.array([sign_changes(u - u.mean()) for u in values])
-    return np.array(times), space.nodes[0, line], np.array(values), counts
+def computed(results):
+    return vars(growing_strip(Schnakenberg(), lambda t: float(np.exp(RATE * t)), until=285.0))
 
 
-def draw(results, figure):
+def draw(results, figure, computed):
     figure.set_size_inches(16, 8)
     left, right = figure.subfigures(1, 2, width_ratios=(1, 2))
-    times, x, u, counts = doubling()
+    times, x, u, counts = (computed[name] for name in ("times", "positions", "u", "half_waves"))
     axes = left.subplots()
-    size = np.exp(0.01 * times)
+    size = np.exp(RATE * times)
     colours = axes.pcolormesh(np.outer(size, x), np.repeat(times[:, None], len(x), 1), u, shading="gouraud")
     for count in np.unique(counts):
         seen = times[counts == count]
         if np.ptp(seen) > 5:  # not those passed through while peaks split one after the other
-            edge = np.exp(0.01 * seen[0])
+            edge = np.exp(RATE * seen[0])
             words = f"{count} half wave{'s' * bool(count > 1)}, L = {edge:.3g}"
             axes.annotate(words, (1.02 * edge + 0.3, seen[0]), va="bottom")
     axes.set_xlabel("position on the growing strip")
@@ -87,3 +82,7 @@ def draw(results, figure):
             f"processes {summary['seconds_by_part']['processes']:.1f} of {summary['seconds']:.0f} s",
             fontsize=9,
         )
+
+
+if __name__ == "__main__":
+    run_case(__file__)

@@ -24,6 +24,7 @@ from .growth.histories import postnatal_day as postnatal_day
 from .growth.imperfection import Imperfection as Imperfection
 from .growth.laws import RateGrowth as RateGrowth
 from .growth.laws import TangentialGrowth as TangentialGrowth
+from .growth.measure import largest_growth as largest_growth
 from .growth.stages import restart as restart
 from .growth.swelling import SurfaceSwelling as SurfaceSwelling
 from .growth.zones import Ellipse as Ellipse
@@ -69,6 +70,8 @@ from .outlines.section import Section as Section
 from .outlines.surface import surface_section as surface_section
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError
+from .results.paths import path_arrays as path_arrays
+from .results.paths import path_of_arrays as path_of_arrays
 from .results.result import Result as Result
 from .results.result import UnfinishedWarning as UnfinishedWarning
 from .results.result import load as load
@@ -106,9 +109,12 @@ from .turing.kinetics.deviations import BVAM2012 as BVAM2012
 from .turing.kinetics.deviations import FitzHughNagumo as FitzHughNagumo
 from .turing.kinetics.named import kinetics_named as kinetics_named
 from .turing.kinetics.user import UserKinetics as UserKinetics
+from .turing.modes import sign_changes as sign_changes
 from .turing.process import Turing as Turing
 from .turing.stability import conditions as conditions
 from .turing.stability import dispersion as dispersion
 from .turing.stability import hopf_boundary as hopf_boundary
+from .turing.strip import StripPattern as StripPattern
+from .turing.strip import growing_strip as growing_strip
 
 __version__: str

@@ -1,12 +1,13 @@
 """What the benchmarks share: the growth path of document 1's semi-circle, and the unit of cost."""
 
+from argparse import ArgumentParser
 from pathlib import Path
 from statistics import median
 from time import process_time
 
 import numpy as np
 
-from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
+from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle, simulate
 from turingfold.geometry.body import Body
 from turingfold.parts import TimeStep
 from turingfold.results.result import Result
@@ -17,6 +18,20 @@ CASES = Path(__file__).parents[2] / "cases"
 RADIUS, THICKNESS = 0.0404, 2.5e-3
 GRAY, WHITE = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
 GROWTH, STEPS, TOLERANCE = 1.45, 15, 1e-8
+
+
+def drawn(file: str, scenes, draw) -> None:
+    """Run scenes(quick), measure and draw them by draw(results, figure); quick ones in the working folder."""
+    from matplotlib.figure import Figure
+
+    asked = ArgumentParser()
+    asked.add_argument("--quick", action="store_true")
+    quick, name = asked.parse_args().quick, f"{Path(file).stem}.png"
+    figure = Figure(layout="constrained")
+    draw({own: simulate(scene) for own, scene in scenes(quick=quick).items()}, figure)
+    path = Path(name) if quick else CASES.parent / "figures" / name
+    figure.savefig(path, dpi=200, facecolor="white")
+    print(f"figure: {path}")
 
 
 def growth_path(body: Body) -> Scene:

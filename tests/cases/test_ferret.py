@@ -43,7 +43,7 @@ def brain(thickness, layers):
 
 
 def run(case, **changes):
-    scenes = load_case(CASES / f"{case}.py").scenes(quick=False)
+    scenes = load_case(CASES / f"{case}.py").scenes({}, quick=False)
     return {name: simulate(replace(scene, **changes)) for name, scene in scenes.items()}
 
 

@@ -19,7 +19,7 @@ SEEDS = (0, 1, 2, 3)
 
 
 def mesh_brain(finer, seed):
-    return load_case(CASES / "ferret_mesh.py").module.brain(finer, seed)
+    return load_case(CASES / "ferret_mesh.py").scenes({"seed": seed}, quick=False)[f"{finer} x"]
 
 
 def places(result):
@@ -83,10 +83,11 @@ def test_steps_resolve_the_motion_past_the_onset(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_local_changes_act_in_their_zone_for_any_seed(seed):
-    scenes = load_case(CASES / "ferret_local.py").scenes(quick=False, only=("normal", "2 g", "0.25 T"))
+    every = load_case(CASES / "ferret_local.py").scenes({"seed": seed}, quick=False)
+    scenes = {name: every[name] for name in ("normal", "2 g", "0.25 T")}
     middle, apart = {}, {}
     for name, scene in scenes.items():
-        result = simulate(replace(scene, seed=seed))
+        result = simulate(scene)
         at, depths = places(result), folds(result).depths
         zone = np.abs(at - 0.5) < 0.15
         middle[name] = zone.sum(), depths[zone].mean()
@@ -100,7 +101,7 @@ def test_local_changes_act_in_their_zone_for_any_seed(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_stages_can_be_traced_and_deepen_for_any_seed(seed):
-    stages = load_case(CASES / "ferret_stages.py").module.stages(seed)
+    stages = load_case(CASES / "ferret_stages.py").scenes({"seed": seed}, quick=False)
     results = [simulate(scene) for scene in stages.values()]
     assert (np.diff([index(result) for result in results]) > 0.05).all()
     for result in results:

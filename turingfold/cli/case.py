@@ -73,9 +73,14 @@ class Case:
             return declared(self.module.scenes)
 
     @property
-    def draw(self) -> Callable[[dict[str, Result], Any], object] | None:
+    def draw(self) -> Callable[..., object] | None:
         """Its function that draws, if it has one."""
         return getattr(self.module, "draw", None)
+
+    @property
+    def computed(self) -> Callable[[dict[str, Result]], object] | None:
+        """Its function that computes arrays from results, for `draw` to draw, if it has one."""
+        return getattr(self.module, "computed", None)
 
     def scenes(self, given: Mapping[str, Any], *, quick: bool) -> dict[str, Scene]:
         """Return its scenes by name, with some parameters given; to make them may take long."""

@@ -19,6 +19,7 @@ from ..results.result import Result, Row, length_unit, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
 from ..scene import Scene
 from .case import Case, explained, find_case, folder_name
+from .computed import compute, read_computed
 from .figure import figure_path, save_figure
 from .plan import Planned, base_folder, changed_words, has_result, planned, without_result
 from .request import Interrupted, Request, Running
@@ -52,7 +53,9 @@ def run(request: Request, running: Running) -> int:
         return status
     for name in set(every) - set(begun):
         results[name] = read_result(base / folder_name(name), known=case.known)
-    say(f"figure: {drawn(case, {name: results[name] for name in every}, request)}")
+    results = {name: results[name] for name in every}
+    compute(case, results, base, keep=running.resume)
+    say(f"figure: {drawn(case, results, request)}")
     return status
 
 
@@ -125,9 +128,11 @@ def drawn(case: Case, results: dict[str, Result], request: Request) -> Path:
     if case.draw is None:
         raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
     apart = bool(request.quick or request.out is not None or request.assigned)
-    path = figure_path(case.path, base_folder(case, request), apart=apart)
+    base = base_folder(case, request)
+    more = () if case.computed is None else (read_computed(case, base),)
+    path = figure_path(case.path, base, apart=apart)
     with explained(case.path), save_figure(path) as figure:
-        case.draw(results, figure)
+        case.draw(results, figure, *more)
         mark_unfinished(figure, results)
     return path
 

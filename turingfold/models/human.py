@@ -1,4 +1,4 @@
-"""Tissue of the human brain slice of document 1, at the 28th gestational week; SI units.
+"""The human brain slice of document 1, 28th gestational week: its tissue, and what acts on it; SI units.
 
 Radius 40.4 mm, cortex 2.5 mm; Young's modulus of gray matter 1389 ± 289 Pa, of white 1895 ± 592 Pa, Poisson's
 ratio 0.4583.
@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from ..terms.elastic.material import NeoHookean
 from ..terms.elastic.term import Elastic
+from ..terms.tension import AxonalTension
+from ..turing.kinetics.named import kinetics_named
+from ..turing.process import Turing
 
 
 def tissue(
@@ -17,3 +20,18 @@ def tissue(
     """Return cortex and core, moduli in Pa; without `two_layers` the core is gray matter too."""
     gray = NeoHookean.from_young(young_gray, poisson)
     return Elastic(gray=gray, white=NeoHookean.from_young(young_white, poisson) if two_layers else None)
+
+
+def pattern_and_pull(
+    *, kinetics: str = "Schnakenberg", half_waves: int = 24, strength: float = 0.5, pattern: bool = True,
+    tension: bool = True, patches: int | None = None, ramp: float = 0.1,
+) -> tuple[tuple[Turing, ...], tuple[AxonalTension, ...]]:  # fmt: skip
+    """Return the morphogens, and the tension of axons along the gray-white interface; empty where it is off.
+
+    Without a pattern the axons pull equally at `patches` places, by default as many as it has waves.
+    strength: N/m.  ramp: time over which the tension rises.
+    """
+    morphogens = (Turing(kinetics_named(kinetics), half_waves=half_waves),) if pattern else ()
+    places = 0 if pattern else patches or max(1, half_waves // 2)
+    pull = (AxonalTension(strength=strength, patches=places, ramp=ramp),) if tension else ()
+    return morphogens, pull

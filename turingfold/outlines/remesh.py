@@ -31,7 +31,9 @@ def retraced(body: Body, state: State, *, size: float, inset: float) -> Body:
         raise ValueError("only a closed pial surface can be traced anew; use restart(body, state).")
     moved = Curve((body.nodes + state["displacement"])[:, body.pial], closed=True)
     traced = _inside_by(moved, inset)
-    return outline(traced, thickness=body.thickness, size=size, smooth=inset, tight="trim")
+    return outline(
+        traced, thickness=body.thickness, size=size, smooth=inset, tight="trim", layers=body.layers
+    )
 
 
 def _inside_by(curve: Curve, inset: float) -> Array:

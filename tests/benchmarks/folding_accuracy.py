@@ -1,6 +1,6 @@
 """Error of growth, onset of buckling, and folded state against run time. About 2 min.
 
-    turingfold run cases/folding_accuracy.py      stores results/folding_accuracy, draws its figure
+    python tests/benchmarks/folding_accuracy.py [--quick]      draws its figure
 
 Left: a disc whose cortex (T/R = 0.1, sharp, kappa = 5 mu) grows by 20 %, and the growth at which it buckles,
 both against a spectral solution in the radius. Middle: the scene of Figure 3 with evenly spaced patches of
@@ -23,6 +23,7 @@ from statistics import median
 from time import perf_counter
 
 import numpy as np
+from common import drawn
 from numpy.polynomial import chebyshev
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
@@ -258,3 +259,7 @@ def draw(results, figure):
             axes.xaxis.set_major_formatter("{x:g}")
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8, loc=(0.35, 0.3) if kind == "steps" else "best")
+
+
+if __name__ == "__main__":
+    drawn(__file__, scenes, draw)

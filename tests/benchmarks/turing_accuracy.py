@@ -1,6 +1,6 @@
 """Error against time of every integrator of the Turing system, with scipy and py-pde as peers. About 5 min.
 
-    turingfold run cases/turing_accuracy.py      draws figures/turing_accuracy.png
+    python tests/benchmarks/turing_accuracy.py [--quick]      draws its figure
 
 Band problem A: Schnakenberg's kinetics on the band of the semi-circle, 12 half waves, from
 u = 1 + 0.05 cos 12θ to t = 50. Errors in time: largest over the nodes, relative, against a run at tolerance
@@ -19,6 +19,7 @@ from statistics import median
 from time import process_time
 
 import numpy as np
+from common import drawn
 from scipy.integrate import solve_ivp
 from scipy.sparse import diags_array
 from skfem import MeshTri, MeshTri2
@@ -255,3 +256,7 @@ def draw(results, figure):
     draw_strip(panels[3], system.space.size > 500)
     for axes in panels:
         axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+if __name__ == "__main__":
+    drawn(__file__, scenes, draw)
