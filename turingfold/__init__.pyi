@@ -26,6 +26,8 @@ from .growth.laws import RateGrowth as RateGrowth
 from .growth.laws import TangentialGrowth as TangentialGrowth
 from .growth.measure import largest_growth as largest_growth
 from .growth.stages import restart as restart
+from .growth.stress_driven import StressGrowth as StressGrowth
+from .growth.stress_driven import VolumeGrowth as VolumeGrowth
 from .growth.swelling import SurfaceSwelling as SurfaceSwelling
 from .growth.zones import Ellipse as Ellipse
 from .growth.zones import HalfPlane as HalfPlane

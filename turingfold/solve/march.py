@@ -21,6 +21,7 @@ from .problem import Configuration, Problem, configuration
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
+PATIENCE = 3  # times that a step is halved before the body snaps
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,20 +99,23 @@ def march(
         minimiser.remember(problem.potentials(progress.state, last), progress.memory.point)
     minimiser.deadline = started + stepping.seconds - spent
     minimiser.effort.add("setting up", started)
+    failures = 0  # of the present step
     while progress.state.time < until * (1 - 1e-12):
-        if perf_counter() > minimiser.deadline:
+        if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
         dt = min(progress.dt, until - progress.state.time)
         if until - progress.state.time - dt < 0.01 * dt:
             dt = until - progress.state.time
         try:
-            step = _attempt(problem, minimiser, progress, dt, perf_counter())
+            step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=failures >= PATIENCE)
         except SolveError as error:
-            if perf_counter() <= minimiser.deadline and dt / 2 < stepping.smallest * until:
+            failures += 1
+            if not minimiser.out_of_time and dt / 2 < stepping.smallest * until:
                 raise _stopped(progress.state, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
+        failures = 0
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         progress = Progress(step.state, onward, dt, progress.equilibria[-REMEMBERED:], minimiser.memory)
         yield step, progress
@@ -125,9 +129,9 @@ def _onward(dt: float, iterations: float, stepping: Stepping, until: float) -> f
 
 
 def _attempt(
-    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float
+    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float, *, snaps: bool
 ) -> Step:
-    """Take one step from untouched data."""
+    """Take one step from untouched data; snaps: to wherever the gradient flow from there ends."""
     old, effort = progress.state, minimiser.effort
     iterations, factorizations = effort.iterations, effort.factorizations
     step = TimeStep(dt, problem.scene.stepping.balance)
@@ -136,7 +140,13 @@ def _attempt(
         balanced = problem.processed(old, step.span)
     potentials = problem.potentials(balanced, step)
     effort.add("processes", began)
-    found = minimiser.minimise(potentials, by_node(old["displacement"]), _predicted(progress, dt))
+    x = by_node(old["displacement"])
+    if snaps:
+        from .snap import Creep
+
+        found = Creep.of(problem.scene).to_minimum(minimiser, potentials, x)
+    else:
+        found = minimiser.minimise(potentials, x, _predicted(progress, dt))
     at = found.at if step.balance == 1 else _at_end(problem, state, step, old, found.at)
     if at is not found.at:
         minimiser.forget()
@@ -144,6 +154,7 @@ def _attempt(
     state = problem.finished(state, found.at)
     numbers = {
         **_numbers(found, state.time, dt),
+        "snapped": float(snaps),
         "newton_iterations": effort.iterations - iterations,
         "factorizations": effort.factorizations - factorizations,
         "seconds": perf_counter() - began,

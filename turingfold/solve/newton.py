@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from ..arrays import Array, Integers
 from ..errors import NotConvergedError
@@ -114,6 +115,7 @@ class Minimiser:
         self.tolerance, self.iterations = tolerance, iterations
         self.effort = Effort()
         self.deadline = float("inf")  # by perf_counter
+        self.strict = False  # whether a tangent that is not positive definite ends a minimisation
         self._kind = solver
         self._solver: Solver | None = None
         self._solver_sparsity: Sparsity | None = None
@@ -135,6 +137,19 @@ class Minimiser:
         """Factorise the tangent that an earlier minimisation kept."""
         at = configuration(potentials, point)
         self._tangent = None if at is None else self._factorized(at, 0.0)
+
+    def softest_mode(self, mass: csr_matrix, powers: int) -> Array:
+        """Return the eigenvector of the kept tangent and a mass matrix with the lowest eigenvalue, roughly.
+
+        As (2 n_nodes,), by powers of the inverse; zero where no tangent is kept.
+        """
+        mode, free = np.zeros(self.assembler.n_dofs), self.assembler.free
+        if self._tangent is not None:
+            mode[free] = np.random.default_rng(0).standard_normal(len(free))
+            for _ in range(powers):
+                mode[free] = self._tangent.solver.solve((mass @ mode)[free])
+                mode /= np.abs(mode).max()
+        return mode
 
     def minimise(
         self, potentials: tuple[Potential, ...], x: Array, predicted: Array | None = None
@@ -168,18 +183,26 @@ class Minimiser:
             self.effort.iterations += 1
         raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
 
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the limit on the run time is reached."""
+        return perf_counter() > self.deadline
+
     def _heed_deadline(self, residual: float) -> None:
-        if perf_counter() > self.deadline:
+        if self.out_of_time:
             raise NotConvergedError("the time is over", residual=residual)
 
     def _factorized_convex(self, at: Configuration) -> Tangent:
         """Return the factorised tangent, with as much convexity added as it needs."""
-        for level in range(max(0, self._convexity - 1), len(CONVEXITY)):
+        levels = range(1) if self.strict else range(max(0, self._convexity - 1), len(CONVEXITY))
+        for level in levels:
             tangent = self._factorized(at, CONVEXITY[level])
             if tangent is not None:
                 self._convexity = level
                 return tangent
         self._convexity = 0
+        if self.strict:
+            raise NotConvergedError("the tangent is not positive definite")
         raise NotConvergedError("no convex approximation of the tangent is positive definite")
 
     def _solved(self, tangent: Tangent, gradient: Array) -> Array:

@@ -178,14 +178,19 @@ class MixedEvaluation(Condensed):
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return bubbles (2, e), m, and pressures at the elements' corners (3, e), Pa, to start from next.
 
-        Also the Cauchy stress at the body's points, (4, p, e) in Pa, if it is wanted.
+        Also what is wanted of stress (xx, yy, xy, zz; Pa), J* and moduli (μ, κ; Pa), at the body's points.
         """
-        inner = {"bubble": self.bubble, "element_pressure": self.own_pressure}
-        if "cauchy_stress" not in wanted:
-            return inner
-        F, out2, I1, J, pressure = self._shown
-        mu = self.potential.operator.points.spread_back @ self.potential.mu
-        return {**inner, "cauchy_stress": cauchy(mu, -pressure, F, out2, I1, J)}
+        found = {"bubble": self.bubble, "element_pressure": self.own_pressure}
+        back = self.potential.operator.points.spread_back
+        if {"cauchy_stress", "elastic_volume"} & wanted:
+            F, out2, I1, J, pressure = self._shown
+            if "cauchy_stress" in wanted:
+                found["cauchy_stress"] = cauchy(back @ self.potential.mu, -pressure, F, out2, I1, J)
+            if "elastic_volume" in wanted:
+                found["elastic_volume"] = J
+        if "moduli" in wanted:
+            found["moduli"] = np.stack([back @ self.potential.mu, back @ self.potential.kappa])
+        return found
 
     def observe(self) -> Fields:
         """Return von Mises stress and pressure (3D Cauchy stress, Pa) and J* at the body's points, (p, e)."""

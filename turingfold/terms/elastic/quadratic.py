@@ -154,12 +154,16 @@ class ElasticEvaluation(Evaluation):
         return first_loss(0.9 * now, linear, square)
 
     def finish(self, wanted: frozenset[str]) -> Fields:
-        """Return the Cauchy stress if it is wanted: its components xx, yy, xy and zz, (4, q, e); Pa."""
-        if "cauchy_stress" not in wanted:
-            return {}
-        p, m = self.potential, self.potential.metric
-        stress = cauchy(p.mu, p.kappa * (self.J - 1.0), deformation(self.H, m.D), m.out2, self.I1, self.J)
-        return {"cauchy_stress": stress}
+        """Return what is wanted of stress (xx, yy, xy, zz; Pa), J* and moduli (μ, κ; Pa), at the points."""
+        p, m, found = self.potential, self.potential.metric, {}
+        if "cauchy_stress" in wanted:
+            F, mean = deformation(self.H, m.D), p.kappa * (self.J - 1.0)
+            found["cauchy_stress"] = cauchy(p.mu, mean, F, m.out2, self.I1, self.J)
+        if "elastic_volume" in wanted:
+            found["elastic_volume"] = self.J
+        if "moduli" in wanted:
+            found["moduli"] = np.stack([p.mu, p.kappa])
+        return found
 
     def observe(self) -> Fields:
         """Return von Mises stress, pressure (of the 3D Cauchy stress, Pa) and J*, each (q, e)."""

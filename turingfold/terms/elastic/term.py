@@ -14,6 +14,7 @@ from ...parts import Operator, Solid
 from .material import NeoHookean
 
 INNER = ("bubble", "element_pressure")
+SHOWN = ("cauchy_stress", "elastic_volume", "moduli")
 ELEMENTS = ("auto", "quadratic", "mixed")
 NEARLY_INCOMPRESSIBLE = 0.49  # Poisson's ratio from which the quadratic element locks
 
@@ -48,8 +49,8 @@ class Elastic(Solid):
 
     @property
     def writes(self) -> tuple[str, ...]:
-        """The Cauchy stress if a part reads it, and unknowns inside mixed elements."""
-        return ("cauchy_stress", *(INNER if self.mixed else ()))
+        """Stress, volume ratio J* and moduli where a part reads them, and unknowns inside mixed elements."""
+        return (*SHOWN, *(INNER if self.mixed else ()))
 
     @property
     def shear_modulus(self) -> float:

@@ -1,0 +1,110 @@
+"""Snaps: where Newton's method finds no equilibrium near the last one, the body creeps down to the next.
+
+Past a limit point the nearest minimum is far, and no shorter step of the scene's time comes closer to it.
+With a viscosity c the body moves by steps of the gradient flow: each minimises
+
+    Φ(x) + ½ c (x - x_k)·M (x - x_k),   M = ∫ u·v dA,
+
+whose solution has less energy than x_k, and whose tangent K + c M is positive definite for c above the most
+negative eigenvalue -λ of (K, M). Kept just above it, c lets the softest mode grow by c/(c - λ) in a step.
+Where the tangent is positive definite again c falls, and at the end it is gone. A saddle is left along the
+softest mode.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import NotConvergedError, SolveError
+from ..parts import Potential
+from ..scene import Scene, stress_scale
+from ..terms.dynamics import mass
+from ..terms.quadratic_energy import Quadratic, SymmetricMatrix
+from .newton import Equilibrium, Minimiser
+
+FIRST, STIFFEST, LEAST = 1.0, 1e6, 1e-9  # viscosities, in units of the largest shear modulus over T²
+STEPS = 300
+PATIENCE = 12  # iterations of a step of the flow
+EASY, QUICK = 8, 4  # iterations after which the viscosity falls, and falls fast
+FALLS, FALLS_FAST, RISES = 0.5, 0.1, 3.0
+PUSH, PUSHES = 0.05, 8  # away from a saddle: largest displacement in units of T, and how often
+POWERS = 12  # iterations for the softest mode
+
+
+@dataclass(frozen=True, eq=False)
+class Creep:
+    """The gradient flow of a scene: mass matrix, scale of the viscosity, cortical thickness."""
+
+    mass: SymmetricMatrix
+    scale: float
+    thickness: float
+
+    @classmethod
+    def of(cls, scene: Scene) -> Creep:
+        """Return that of a scene."""
+        T = scene.body.thickness
+        return cls(mass(scene.body, 1.0), stress_scale(scene.terms) / T**2, T)
+
+    def to_minimum(
+        self, minimiser: Minimiser, potentials: tuple[Potential, ...], x: Array
+    ) -> Equilibrium:
+        """Return the equilibrium at which the gradient flow from x ends.
+
+        Raises NotConvergedError where the flow finds no way down, or takes too many steps.
+        """
+        share, soft, pushes, failed = FIRST, x, 0, None
+        for _ in range(STEPS):
+            viscous, before = share >= LEAST, minimiser.effort.iterations
+            try:
+                found = self._step(minimiser, potentials, x, share * self.scale if viscous else 0.0)
+            except SolveError as error:
+                failed, share = error, max(share, LEAST) * RISES
+                if minimiser.out_of_time or share > STIFFEST:
+                    break
+                continue
+            spent = minimiser.effort.iterations - before
+            if viscous and found.stable:
+                x, soft = found.x, minimiser.softest_mode(self.mass.whole, POWERS)
+                share *= FALLS_FAST if spent <= QUICK else FALLS if spent <= EASY else 1.0
+            elif viscous and pushes < PUSHES:  # too little viscosity for the softest mode
+                x, pushes, share = self._pushed(potentials, found, soft), pushes + 1, share * RISES**2
+            elif found.stable or pushes == PUSHES:
+                return found
+            else:
+                x, pushes, share = self._pushed(potentials, found, soft), pushes + 1, FIRST
+        residual = failed.residual if failed is not None else float("nan")
+        words = f" ({failed})" if failed is not None else ""
+        raise NotConvergedError(f"no way down to a minimum is found{words}", residual=residual)
+
+    def _step(
+        self, minimiser: Minimiser, potentials: tuple[Potential, ...], x: Array, viscosity: float
+    ) -> Equilibrium:
+        """Return the end of one step of the flow from x."""
+        more = (Quadratic(self.mass, x, viscosity),) if viscosity else ()
+        minimiser.forget()
+        allowed = minimiser.iterations
+        minimiser.iterations = min(allowed, PATIENCE) if viscosity else allowed
+        minimiser.strict = viscosity > 0
+        try:
+            return minimiser.minimise((*potentials, *more), x)
+        finally:
+            minimiser.iterations, minimiser.strict = allowed, False
+
+    def _pushed(self, potentials: tuple[Potential, ...], found: Equilibrium, mode: Array) -> Array:
+        """Return the lower of the two places beside a saddle along a mode, (2 n_nodes,)."""
+        size = float(np.hypot(*mode.reshape(-1, 2).T).max())
+        if not size > 0:
+            return found.x
+        push = PUSH * self.thickness / size * mode
+        push = push * found.at.largest_step(push)
+        sides = [found.x + push, found.x - push]
+        energies = [_energy(potentials, side) for side in sides]
+        return sides[int(np.argmin(energies))] if np.isfinite(min(energies)) else found.x
+
+
+def _energy(potentials: tuple[Potential, ...], x: Array) -> float:
+    parts = [potential.evaluate(x) for potential in potentials]
+    return sum(np.inf if part is None else part.energy for part in parts)
