@@ -15,7 +15,7 @@ from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.testing import advanced
 
-ROWS, COLUMNS = np.array([0, 1, 1]), np.array([0, 0, 1])
+ENTRIES = Entries(np.array([0, 1, 1]), np.array([0, 0, 1]))
 
 
 @dataclass
@@ -32,9 +32,6 @@ class Surface:
         self.visits.append(x.copy())
         energy = self.energy(*x)
         return None if energy is None else _Point(self, x, energy)
-
-    def largest_step(self, x, direction):
-        return self.bound
 
 
 @dataclass
@@ -54,7 +51,10 @@ class _Point:
         values, vectors = np.linalg.eigh(H)
         values = values - convexity * np.minimum(values, 0.0) + 1e-9 * convexity
         H = vectors @ np.diag(values) @ vectors.T
-        return Hessian(Entries(ROWS, COLUMNS), np.array([H[0, 0], H[1, 0], H[1, 1]]))
+        return Hessian(ENTRIES, np.array([H[0, 0], H[1, 0], H[1, 1]]))
+
+    def largest_step(self, direction):
+        return self.surface.bound
 
 
 def bowl(**options):
@@ -213,7 +213,7 @@ def test_the_memory_of_one_minimiser_goes_on_in_another():
     one = minimiser()
     one.minimise([two_wells()], np.array([0.1, 0.5]))
     memory = one.memory
-    assert memory.level == 0
+    assert memory.convexity == 0
     other = Minimiser(2, np.zeros(0, dtype=np.int64), 1e-10, 60, memory)
     assert other.memory.point is None
     other.remember([two_wells()], memory.point)
