@@ -8,6 +8,7 @@ names of the fields that they declare. A part of a user's own derives from the c
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -43,7 +44,12 @@ class Part(ABC):
 
 
 class Evolution(ABC):
-    """A process on a body."""
+    """A process on a body.
+
+    deadline: of `time.perf_counter`, set before `start`; long work that passes it ends with a SolveError.
+    """
+
+    deadline: float = math.inf
 
     @abstractmethod
     def start(self, state: State, seed: int) -> Fields:

@@ -8,6 +8,8 @@ from importlib.util import find_spec
 from .checks import one_of, positive, whole
 
 SOLVERS = ("auto", "cholmod", "superlu")
+LOOSEST = 1e-3
+LOOSE = "a larger residual is no equilibrium; to save time use larger elements or steps"
 EULER, MIDPOINT = "euler", "midpoint"
 
 
@@ -18,7 +20,8 @@ class Stepping:
     first, largest, smallest: step sizes as fractions of `until`. After a step that took at most a quarter of
     the allowed iterations the next is 1.3 times longer, after one that took more than half 1.3 times shorter;
     one that fails is halved and starts again from the untouched state.
-    tolerance: residual at which an equilibrium counts, relative to the forces that balance in it.
+    tolerance: residual at which an equilibrium counts, relative to the forces that balance in it; at most
+    LOOSEST.
     iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
     scheme: of scenes with inertia or drag: "euler", in which forces balance at the end of each step (first
     order, never gains energy), or "midpoint", in which they do in its middle (second order, loses none).
@@ -35,8 +38,9 @@ class Stepping:
     solver: str = "auto"
 
     def __post_init__(self) -> None:
-        for name in ("first", "largest", "smallest", "tolerance"):
+        for name in ("first", "largest", "smallest"):
             positive(name, getattr(self, name), at_most=1.0)
+        positive("tolerance", self.tolerance, at_most=LOOSEST, remedy=LOOSE)
         if not self.smallest <= self.first <= self.largest:
             raise ValueError(
                 f"Stepping: smallest={self.smallest:g} <= first={self.first:g} <= largest={self.largest:g} "

@@ -304,6 +304,7 @@ def test_a_scene_refuses_what_does_not_fit(body):
         ({"tolerance": float("nan")}, ("tolerance", "finite")),
         ({"iterations": 0}, ("iterations", "at least 1")),
         ({"seconds": 0.0}, ("seconds", "positive")),
+        ({"tolerance": 1.0}, ("tolerance=1", "at most 0.001", "no equilibrium")),
         ({"seconds": float("nan")}, ("seconds", "finite")),
         ({"seconds": "60"}, ("seconds='60'", "finite")),
     ],

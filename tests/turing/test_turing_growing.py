@@ -95,7 +95,7 @@ def body():
 def test_tissue_that_does_not_move_keeps_its_steady_pattern(body):
     part = EvolvingTuring(Turing(Schnakenberg()))
     still = {"displacement": np.zeros_like(body.nodes)}
-    fields = part.start(body, State(0.0, still), 0)
+    fields = part.on(body).start(State(0.0, still), 0)
     assert set(fields) == set(part.writes)
     later = advanced(part, body, State(0.0, {**still, **fields}), 0.1)
     assert set(later) == set(part.writes)
@@ -107,9 +107,9 @@ def test_even_growth_of_the_tissue_dilutes_and_then_reacts(body, dilution, power
     # a short time after a stretch by 1.1 the concentrations are those before over 1.1²
     part = EvolvingTuring(Turing(GrayScott(), half_waves=20), pace=1e-3, dilution=dilution)
     still = {"displacement": np.zeros_like(body.nodes)}
-    fields = part.start(body, State(0.0, still), 0)
+    fields = part.on(body).start(State(0.0, still), 0)
     moved = {**still, **fields, "displacement": 0.1 * body.nodes}
-    later = part.advance(body, State(0.0, moved), 1e-3)
+    later = advanced(part, body, State(0.0, moved), 1e-3)
     for name in ("activator", "inhibitor"):
         assert np.allclose(later[name], fields[name] / 1.1**power, atol=1e-6)
     assert (later["band_displacement"] == 0.1 * body.cortex.mesh.doflocs).all()
@@ -122,7 +122,7 @@ def test_the_deformed_band_is_the_growing_domain(body):
     # both descriptions of a band stretched evenly, without dilution, run the same
     turing = Turing(Schnakenberg())
     found, band = turing.design(body).conditions, body.cortex.mesh
-    start = turing.start(body, State(0.0), 0)
+    start = turing.on(body).start(State(0.0), 0)
     values = np.stack([start["activator"], start["inhibitor"]])
     ends = []
     for space, scale in ((deformed(body, 0.3 * band.doflocs), 1.0), (deformed(body, 0 * band.doflocs), 1.3)):
@@ -132,6 +132,46 @@ def test_the_deformed_band_is_the_growing_domain(body):
         ends.append(end)
     assert np.allclose(*ends, atol=1e-9)
     assert np.abs(ends[0] - values).max() > 1e-2
+
+
+def test_a_pattern_that_dies_pulls_no_more():
+    # at half its size the band of two half waves is too short for the wave: the activator tends to a + b
+    small = semicircle(radius=0.04, thickness=4e-3, size=2e-3, base="roller")
+    part = EvolvingTuring(Turing(Schnakenberg(), half_waves=2), pace=3000.0)
+    start = part.on(small).start(State(0.0, {"displacement": np.zeros_like(small.nodes)}), 0)
+    assert np.ptp(start["pattern"]) == pytest.approx(1.0)
+    shrunk = State(0.0, {**start, "displacement": -0.5 * small.nodes})
+    end = advanced(part, small, shrunk, 0.5)
+    assert np.allclose(end["activator"], 1.0, atol=1e-3)
+    assert np.abs(end["pattern"]).max() < 1e-3
+    # half way down, the pattern is as high as the activator's range is of that at the start
+    half_way = advanced(replace(part, pace=4.0), small, shrunk, 0.5)
+    share = np.ptp(half_way["activator"]) / np.ptp(start["activator"])
+    assert 0.05 < share < 0.95
+    assert half_way["pattern"].min() == 0.0
+    assert half_way["pattern"].max() == pytest.approx(share, rel=1e-12)
+
+
+def test_reactions_that_follow_the_stretch_are_as_fast_as_it_says(body):
+    # an even stretch by 1.3 with J^m f is the unstretched band with D / 1.3² and J^m f: time runs J^m as fast
+    turing, m, size = Turing(Schnakenberg()), 0.5, 1.3
+    part = EvolvingTuring(turing, pace=5.0, dilution=False, stretch_exponent=m, tolerance=1e-5)
+    fields = part.on(body).start(State(0.0, {"displacement": np.zeros_like(body.nodes)}), 0)
+    moved = State(0.0, {**fields, "displacement": (size - 1) * body.nodes})
+    end = advanced(part, body, moved, 1.0)
+    faster = size ** (2 * m)
+    found = turing.design(body).conditions
+    scale = size**2 * faster
+    system = ReactionDiffusion(
+        deformed(body, 0 * body.cortex.mesh.doflocs), Schnakenberg(), found.d_u / scale, found.d_v / scale
+    )
+    for moment in march(system, np.stack([fields["activator"], fields["inhibitor"]]), until=5.0 * faster,
+                        tolerance=1e-6):  # fmt: skip
+        state = moment.state
+    assert np.allclose(end["activator"], state[0], atol=1e-4)
+    assert np.abs(end["activator"] - fields["activator"]).max() > 1e-2
+    with pytest.raises(ValueError, match="stretch_exponent=9 must be between"):
+        EvolvingTuring(turing, stretch_exponent=9.0)
 
 
 def test_bad_options_of_the_evolving_pattern():

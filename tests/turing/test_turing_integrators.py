@@ -12,9 +12,11 @@ from turingfold.errors import InadmissibleStateError, NotConvergedError
 from turingfold.turing.integrators.bdf import march_bdf
 from turingfold.turing.integrators.imex import SBDF2, SCHEMES, fastest_reaction, march_imex
 from turingfold.turing.integrators.rosenbrock import RODAS4, ROS34PW2, ErrorNorm, march, rosenbrock_step
+from turingfold.turing.kinetics.concentrations import Schnakenberg, Thomas
 from turingfold.turing.kinetics.user import UserKinetics
-from turingfold.turing.linear.direct import Pattern
+from turingfold.turing.linear.direct import Sparsity
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
+from turingfold.turing.stability import at_ratio
 
 END = 4.0
 
@@ -140,7 +142,7 @@ def test_scaled_kinetics_only_scale_time(problem):
     fast = UserKinetics(
         p=lambda u, v: k * system.kinetics.rates(u, v)[0],
         q=lambda u, v: k * system.kinetics.rates(u, v)[1],
-        slopes=lambda u, v: tuple(k * slope for slope in system.kinetics.derivatives(u, v)),
+        partial_derivatives=lambda u, v: tuple(k * slope for slope in system.kinetics.derivatives(u, v)),
         guesses=((1.0, 0.9),),
     )
     scaled = ReactionDiffusion(system.space, fast, k * system.d_u, k * system.d_v)
@@ -170,12 +172,58 @@ def test_a_blow_up_is_stopped_with_its_time():
         final(march_imex(system, system.uniform(1.0, 1.0), until=2.0, step=1e-2))
 
 
-def test_a_blow_up_between_two_looks_is_an_error_with_its_time():
-    # w' = exp(w) from 0 blows up at t = 1, two steps away
-    blow = UserKinetics(p=lambda u, v: np.exp(u), q=lambda u, v: -v, guesses=((0.1, 0.1),))
-    system = ReactionDiffusion(discretise(semi_annulus(12, 1), 1), blow, 1.0, 1.0)
-    with pytest.raises(InadmissibleStateError, match="left the finite numbers at time"):
-        final(march_imex(system, system.uniform(0.0, 1.0), until=5.0, step=0.5))
+def test_a_state_that_is_no_number_is_an_error_with_its_time():
+    # w' = 1 from 0, with a rate that exists up to w = 1.5 only
+    ends = UserKinetics(
+        p=lambda u, v: 1 + 0 * np.sqrt(1.5 - u), q=lambda u, v: -v, guesses=((0.1, 0.1),),
+        partial_derivatives=lambda u, v: (0 * u, 0 * u, 0 * u, 0 * u - 1),
+    )  # fmt: skip
+    system = ReactionDiffusion(discretise(semi_annulus(12, 1), 1), ends, 1.0, 1.0)
+    with pytest.raises(InadmissibleStateError, match="left the finite numbers at time 2"):
+        final(march_imex(system, system.uniform(0.0, 1.0), until=5.0, step=0.5, scheme=SCHEMES["SBDF1"]))
+
+
+@pytest.mark.parametrize("share", [0.9, 0.999])
+def test_a_step_at_the_limit_of_the_start_is_stopped_before_the_solution_leaves_it(share, problem):
+    # the pattern that forms reacts faster than the start; beyond the limit every step multiplies errors
+    system, start, _ = problem
+    scheme = SCHEMES["SBDF1"]
+    step = share * scheme.reaction_limit / fastest_reaction(system, start)
+    seen = []
+    with pytest.raises(InadmissibleStateError, match=r"step=1\.\d+ must be at most"):
+        seen.extend(march_imex(system, start, until=400.0, step=step, scheme=scheme))
+    for moment in seen:
+        assert np.abs(moment.state).max() < 1.5  # the steady pattern reaches 1.44
+        assert step * fastest_reaction(system, moment.state) < 1.1 * scheme.reaction_limit
+
+
+@pytest.mark.parametrize("method", [march, march_bdf])
+def test_loose_tolerances_do_not_step_across_the_pole_of_a_rate(method):
+    # Thomas' uptake has a pole at u = -1.06; across it steps of 1e-8 went on for ever
+    mesh = semi_annulus(96, 2)
+    space = discretise(mesh, 1)
+    found = at_ratio(Thomas()).scaled_to(256.0)
+    system = ReactionDiffusion(space, Thomas(), found.d_u, found.d_v)
+    angle = np.arctan2(space.nodes[1], space.nodes[0])
+    noise = np.random.default_rng(0).standard_normal(48) @ np.cos(np.outer(np.arange(1, 49), angle))
+    start = np.array(found.steady_state)[:, None] + 2.0 * np.outer(
+        found.fastest_direction, noise / np.abs(noise).max()
+    )
+    for moment in method(system, start, until=400.0, tolerance=1e-2):
+        assert moment.steps < 600
+        assert (moment.state.min(axis=1) > -0.01 * moment.state.max(axis=1)).all()
+    assert moment.time == 400.0
+
+
+def test_elements_too_large_for_a_spot_are_named_where_concentrations_turn_negative():
+    # the consistent mass of linear elements undershoots at once, whatever the step
+    spreading = Schnakenberg(a=1e-9, b=1e-9)
+    space = discretise(semi_annulus(60, 2), 1)
+    system = ReactionDiffusion(space, spreading, 1e-3, 1e-3)
+    state = system.uniform(0.0, 0.0)
+    state[:, space.size // 2] = 1.0
+    with pytest.raises(NotConvergedError, match="elements are too large"):
+        final(march(system, state, until=1.0, tolerance=1e-3))
 
 
 def test_banded_and_sparse_solves_agree():
@@ -187,19 +235,19 @@ def test_banded_and_sparse_solves_agree():
         found = system.solver(state, 2.0)(right)
         back = (system.matrix(state, 2.0) @ found.T.ravel()).reshape(-1, 2).T
         assert np.allclose(back, right, atol=1e-10)
-        pattern = system.space.pattern
+        sparsity = system.space.sparsity
         values = system.space.mass.data + system.space.stiffness.data
-        one = pattern.scalar_solver(values)(right[0])
-        assert np.allclose(pattern.matrix(values) @ one, right[0], atol=1e-11)
-    assert not pattern.narrow
-    assert problem_a(semi_annulus(40, 2), 2).space.pattern.narrow
+        one = sparsity.scalar_solver(values)(right[0])
+        assert np.allclose(sparsity.matrix(values) @ one, right[0], atol=1e-11)
+    assert not sparsity.narrow
+    assert problem_a(semi_annulus(40, 2), 2).space.sparsity.narrow
 
 
 def test_a_singular_matrix_is_an_error():
     space = discretise(semi_annulus(12, 1), 1)
-    assert isinstance(space.pattern, Pattern)
+    assert isinstance(space.sparsity, Sparsity)
     with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
-        space.pattern.scalar_solver(-space.mass.data)
+        space.sparsity.scalar_solver(-space.mass.data)
 
 
 def test_lumped_mass_keeps_concentrations_positive_where_the_consistent_one_does_not():

@@ -1,6 +1,7 @@
 """Kinetics: exact derivatives, steady states, published sets; one examination for all."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -88,7 +89,7 @@ def test_no_steady_state_is_missed(kinetics):
     with np.errstate(all="ignore"):
         search = UserKinetics(
             p=lambda u, v: kinetics.rates(u, v)[0], q=lambda u, v: kinetics.rates(u, v)[1],
-            slopes=kinetics.derivatives, guesses=tuple(starts),
+            partial_derivatives=kinetics.derivatives, guesses=tuple(starts),
         )  # fmt: skip
         found = search.steady_states()
     inside = [s for s in found if not kinetics.non_negative or min(s) > 0]
@@ -186,6 +187,27 @@ def test_at_the_critical_ratio_the_band_closes_on_the_critical_wave_number():
     assert not conditions(Schnakenberg(), 1.0, ratio * (1 - 1e-10)).unstable
 
 
+def test_functions_that_do_not_take_arrays_are_refused_with_the_remedy():
+    good = {"p": lambda u, v: 0.1 - u + u * u * v, "q": lambda u, v: 0.9 - u * u * v}
+    guesses = ((1.0, 0.9),)
+    with pytest.raises(ValueError, match=r"p\(u, v\) failed .* TypeError.* np\.exp in place of math\.exp"):
+        UserKinetics(p=lambda u, v: math.exp(u), q=good["q"], guesses=guesses)
+    with pytest.raises(ValueError, match=r"q\(u, v\) failed .* np\.where in place of if"):
+        UserKinetics(p=good["p"], q=lambda u, v: -v if u > 0 else v, guesses=guesses)
+    with pytest.raises(ValueError, match=r"p\(u, v\) has shape \(\); it must be \(3,\)"):
+        UserKinetics(p=lambda u, v: 1.0, q=good["q"], guesses=guesses)
+    with pytest.raises(ValueError, match=r"partial_derivatives\(u, v\) failed"):
+        UserKinetics(**good, guesses=guesses, partial_derivatives=lambda u, v: math.sqrt(u))
+    # lists of numbers are as good as arrays
+    lists = UserKinetics(
+        p=lambda u, v: [0.1 - a + a * a * b for a, b in zip(u, v, strict=True)],
+        q=lambda u, v: [0.9 - a * a * b for a, b in zip(u, v, strict=True)],
+        guesses=guesses,
+    )
+    assert np.allclose(lists.steady_states(), Schnakenberg().steady_states())
+    assert np.allclose(lists.jacobian((1.0, 0.9)), Schnakenberg().jacobian((1.0, 0.9)), atol=1e-8)
+
+
 def test_hopf_boundary_of_the_brusselator():
     # tr J = B − 1 − A²
     assert hopf_boundary(Brusselator(A=2.0), "B", (1.0, 10.0)) == pytest.approx(5.0, rel=1e-12)
@@ -246,7 +268,7 @@ def test_user_kinetics_with_a_wrong_jacobian_are_refused():
     with pytest.raises(ValueError, match="∂q/∂v"):
         UserKinetics(
             p=lambda u, v: 0.1 - u + u * u * v, q=lambda u, v: 0.9 - u * u * v, guesses=((1.0, 0.9),),
-            slopes=lambda u, v: (2 * u * v - 1, u * u, -2 * u * v, u * u),
+            partial_derivatives=lambda u, v: (2 * u * v - 1, u * u, -2 * u * v, u * u),
         )  # fmt: skip
     with pytest.raises(ValueError, match=r"p\(u, v\)"):
         UserKinetics(p=lambda u, v: u * np.nan, q=lambda u, v: v, guesses=((1.0, 0.9),))

@@ -38,7 +38,7 @@ def robertson_conserved():
     return UserKinetics(
         p=lambda a, b: -0.04 * a + 1e4 * b * (1 - a - b),
         q=lambda a, b: 0.04 * a - 1e4 * b * (1 - a - b) - 3e7 * b * b,
-        slopes=lambda a, b: (
+        partial_derivatives=lambda a, b: (
             -0.04 - 1e4 * b, 1e4 * (1 - a - 2 * b), 0.04 + 1e4 * b, -1e4 * (1 - a - 2 * b) - 6e7 * b,
         ),
         guesses=((0.8, 1e-5),),
@@ -92,7 +92,7 @@ def test_diffusion_ratio_1e4_and_kinetics_scaled_by_1e6_are_solved_where_resolve
     kinetics = UserKinetics(
         p=lambda u, v: scale * known.rates(u, v)[0],
         q=lambda u, v: scale * known.rates(u, v)[1],
-        slopes=lambda u, v: tuple(scale * slope for slope in known.derivatives(u, v)),
+        partial_derivatives=lambda u, v: tuple(scale * slope for slope in known.derivatives(u, v)),
         guesses=((1.0, 0.9),),
     )
     errors, length = [], 0.5 * scale**-0.5

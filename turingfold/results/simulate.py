@@ -126,8 +126,7 @@ class _Run:
         """March until the scene's end; whatever stops it, what was reached is kept and summed up."""
         self.position = self._start()
         try:
-            spent = perf_counter() - self.began  # on a pattern, which counts for the limit as well
-            for step, position in march(self.scene, self.position, self.problem, spent):
+            for step, position in march(self.scene, self.position, self.problem):
                 self._accept(step, position)
         except SolveError as error:
             raise StoppedError(error, self._finish("stopped", str(error))) from error

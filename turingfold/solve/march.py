@@ -81,11 +81,11 @@ def begin(scene: Scene, problem: Problem | None = None) -> Progress:
 
 
 def march(
-    scene: Scene, progress: Progress, problem: Problem | None = None, spent: float = 0.0
+    scene: Scene, progress: Progress, problem: Problem | None = None
 ) -> Iterator[tuple[Step, Progress]]:
     """Yield each accepted step, and the progress from which the next one starts.
 
-    problem: that of the scene, if it is made already.  spent: of the limit on the run time before; s.
+    problem: that of the scene, if it is made already; the scene's time limit counts from when it was made.
 
     Raises NotConvergedError when a step fails at the smallest step size or the time limit is reached.
     """
@@ -97,7 +97,7 @@ def march(
     if progress.memory is not None and progress.memory.point is not None:
         last = TimeStep(progress.previous_dt, stepping.balance)
         minimiser.remember(problem.potentials(progress.state, last), progress.memory.point)
-    minimiser.deadline = started + stepping.seconds - spent
+    minimiser.deadline = problem.deadline
     minimiser.effort.add("setting up", started)
     failures = 0  # of the present step
     while progress.state.time < until * (1 - 1e-12):

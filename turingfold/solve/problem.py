@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from time import perf_counter
 
 import numpy as np
 
@@ -101,14 +102,20 @@ def configuration(potentials: tuple[Potential, ...], x: Array) -> Configuration 
 
 
 class Problem:
-    """A scene on its body: operators of its terms, processes, and the degrees of freedom that are held."""
+    """A scene on its body: operators of its terms, processes, and the degrees of freedom that are held.
+
+    deadline: of `time.perf_counter`, at which the scene's time limit is over; it counts from here.
+    """
 
     def __init__(self, scene: Scene) -> None:
         """Compute what is computed once."""
         body = scene.body
         self.scene = scene
+        self.deadline = perf_counter() + scene.stepping.seconds
         self.operators: list[Operator] = [term.on(body) for term in scene.terms]
         self._processes: list[tuple[Process, Evolution]] = [(p, p.on(body)) for p in scene.processes]
+        for _, evolution in self._processes:
+            evolution.deadline = self.deadline
         supported = any(operator.resists_rigid_motions for operator in self.operators)
         self.held: Integers = body.supported if supported else body.fixed
         self.n_dofs = body.nodes.size

@@ -3,42 +3,49 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
+from typing import ClassVar
 
 import numpy as np
 from skfem import MeshTri2
 
 from ..arrays import Array
-from ..checks import positive
-from ..errors import NotConvergedError
+from ..checks import between, positive
+from ..errors import InadmissibleStateError, NotConvergedError
 from ..geometry.body import Body
 from ..parts import Evolution, Fields, Process
 from ..state import State
 from .integrators.rosenbrock import march
-from .process import WRITTEN, Turing, normalised, refuse_negative
+from .kinetics.base import Four, Kinetics, Pair, Point
+from .process import WRITTEN, Turing, refuse_negative
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
+from .steady import check_deadline
 
 
 @dataclass(frozen=True)
 class EvolvingTuring(Process):
-    """Pattern that starts steady on the undeformed band and goes on reacting and diffusing while tissue
-    grows.
+    """Pattern that starts steady on the undeformed band and goes on reacting and diffusing as tissue grows.
 
-    On the tissue at x(X, t), J its change of area: ∂(J w)/∂t = J f(w) + ∇_X·(J F⁻¹ D F⁻ᵀ ∇_X w). Over a
+    On the tissue at x(X, t) with change of area J: ∂(J w)/∂t = J J^m f(w) + ∇_X·(J F⁻¹ D F⁻ᵀ ∇_X w). Over a
     step the tissue first moves, which keeps ∫ w dA of every part (dilution), then the pattern evolves on it.
 
     turing: the pattern at the start; its diffusivities, in m² per unit of kinetic time, stay.
     pace: units of kinetic time per unit of the scene's time; small: the pattern hardly follows the growth.
     dilution: False lets the concentrations be carried along unchanged.
+    stretch_exponent: m; reactions run J^m times as fast where the area has changed by J. 0: mechanics only
+        moves the pattern; −1: reactions slow down as cells are pulled apart.
     tolerance: local error of the run, relative.
 
-    Reads "displacement", the last equilibrium. Writes "activator", "inhibitor", "pattern" as `Turing` does,
-    and "band_displacement", (2, n_band_nodes) in m, at which they hold. Raises as `Turing` does.
+    Reads "displacement", the last equilibrium. Writes "activator" and "inhibitor" as `Turing` does;
+    "pattern", the activator above its lowest value relative to its range at the start, so that a pattern
+    that dies tends to 0; "activator_range", that range, (); and "band_displacement", (2, n_band_nodes) in m,
+    at which they hold. Raises as `Turing` does.
     """
 
     turing: Turing
     _: KW_ONLY
     pace: float = 1000.0
     dilution: bool = True
+    stretch_exponent: float = 0.0
     tolerance: float = 1e-2
 
     def __post_init__(self) -> None:
@@ -46,6 +53,7 @@ class EvolvingTuring(Process):
         if not isinstance(self.turing, Turing):
             raise ValueError(f"turing={self.turing!r} must be a Turing(...), the pattern to start from.")
         positive("pace", self.pace)
+        between("stretch_exponent", self.stretch_exponent, -4.0, 4.0)
         positive("tolerance", self.tolerance, at_most=0.1)
 
     @property
@@ -55,8 +63,8 @@ class EvolvingTuring(Process):
 
     @property
     def writes(self) -> tuple[str, ...]:
-        """Those of `Turing`, and the displacement of the band at which they hold."""
-        return (*WRITTEN, "band_displacement")
+        """Those of `Turing`, the activator's range at the start, and the displacement at which they hold."""
+        return (*WRITTEN, "activator_range", "band_displacement")
 
     @property
     def keeps(self) -> tuple[str, ...]:
@@ -83,38 +91,93 @@ class EvolvingOnBody(Evolution):
 
     def start(self, state: State, seed: int) -> Fields:
         """Return the steady pattern of the undeformed band."""
-        fields = self.evolving.turing.on(self.body).start(state, seed)
-        return {**fields, "band_displacement": np.zeros((2, len(self.body.cortex.nodes)))}
+        steady = self.evolving.turing.on(self.body)
+        steady.deadline = self.deadline
+        fields = steady.start(state, seed)
+        return {
+            **fields,
+            "activator_range": np.array(np.ptp(fields["activator"])),
+            "band_displacement": np.zeros((2, len(self.body.cortex.nodes))),
+        }
 
     def advance(self, before: State, now: State, dt: float) -> Fields:
         """Return the pattern after the tissue has moved to the last equilibrium and dt has passed."""
         evolving, found, body = self.evolving, self.conditions, self.body
         old, new = before["band_displacement"], before["displacement"][:, body.cortex.nodes]
-        order = (0, 1) if found.activator == "u" else (1, 0)
-        values = np.stack([before["activator"], before["inhibitor"]])[list(order)]
+        order = [0, 1] if found.activator == "u" else [1, 0]
+        values = np.stack([before["activator"], before["inhibitor"]])[order]
         space = deformed(body, new)
         if evolving.dilution and (new != old).any():
             # M_new w = M_old w_old: nothing is made or lost while the tissue moves
-            solve = space.pattern.scalar_solver(space.mass.data)
+            solve = space.sparsity.scalar_solver(space.mass.data)
             amounts = (deformed(body, old).mass @ values.T).T
             values = np.stack([solve(amount) for amount in amounts])
-        system = ReactionDiffusion(space, evolving.turing.kinetics, found.d_u, found.d_v)
-        for moment in march(system, values, until=evolving.pace * dt, tolerance=evolving.tolerance):
-            values = moment.state
-            if moment.steps > 1000:
-                raise NotConvergedError(
-                    f"the pattern took more than 1000 steps for {evolving.pace * dt:.4g} units of kinetic "
-                    f"time, from {before.time:.4g} on: it never rests; use a smaller pace or other kinetics.",
-                    time=before.time,
-                )
+        kinetics = self._kinetics(space)
+        system = ReactionDiffusion(space, kinetics, found.d_u, found.d_v)
+        values = self._evolved(system, values, evolving.pace * dt, before.time)
         refuse_negative(evolving.turing.kinetics, values, before.time)
-        activator, inhibitor = values[list(order)]
+        activator, inhibitor = values[order]
         return {
             "activator": activator,
             "inhibitor": inhibitor,
-            "pattern": normalised(activator),
+            "pattern": (activator - activator.min()) / before["activator_range"],
+            "activator_range": before["activator_range"],
             "band_displacement": new,
         }
+
+    def _kinetics(self, space: Discretisation) -> Kinetics:
+        kinetics, exponent = self.evolving.turing.kinetics, self.evolving.stretch_exponent
+        if exponent == 0:
+            return kinetics
+        # ∫ φ J dA₀ = ∫ φ dA: the change of area at the nodes
+        rest = discretise(self.body.cortex.mesh, 2)
+        change = rest.sparsity.scalar_solver(rest.mass.data)(space.weights)
+        return Accelerated(kinetics, change**exponent)
+
+    def _evolved(self, system: ReactionDiffusion, values: Array, until: float, time: float) -> Array:
+        for moment in march(system, values, until=until, tolerance=self.evolving.tolerance):
+            values = moment.state
+            check_deadline(self.deadline, time)
+            if moment.steps > 1000:
+                raise NotConvergedError(
+                    f"the pattern took more than 1000 steps for {until:.4g} units of kinetic time, from "
+                    f"{time:.4g} on: it never rests; use a smaller pace or other kinetics.",
+                    time=time,
+                )
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class Accelerated(Kinetics):
+    """Another kinetics whose rates are multiplied by a factor, (n_nodes,)."""
+
+    kinetics: Kinetics
+    factor: Array
+    published_ratio: ClassVar[float] = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the factor."""
+        if not (self.factor > 0).all():
+            raise InadmissibleStateError(f"the tissue's area changes by {self.factor.min():.3g} somewhere")
+
+    @property
+    def non_negative(self) -> bool:  # type: ignore[override]
+        """As the kinetics."""
+        return self.kinetics.non_negative
+
+    def rates(self, u: Array, v: Array) -> Pair:
+        """Return the rates, faster by the factor."""
+        p, q = self.kinetics.rates(u, v)
+        return self.factor * p, self.factor * q
+
+    def derivatives(self, u: Array, v: Array) -> Four:
+        """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v, larger by the factor."""
+        p_u, p_v, q_u, q_v = self.kinetics.derivatives(u, v)
+        return self.factor * p_u, self.factor * p_v, self.factor * q_u, self.factor * q_v
+
+    def steady_states(self) -> tuple[Point, ...]:
+        """Return those of the kinetics."""
+        return self.kinetics.steady_states()
 
 
 def deformed(body: Body, displacement: Array) -> Discretisation:

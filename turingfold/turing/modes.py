@@ -33,6 +33,26 @@ def sign_changes(values: Array, negligible: float = 1e-3) -> int:
     return int(np.sum(np.diff(np.sign(clear)) != 0))
 
 
+def swings(values: Array, closed: bool, least: float = 0.1) -> int:
+    """Count the rises and falls of values along a line, those below `least` times their range left out.
+
+    closed: whether the line is a loop whose first value comes again at its end.
+    """
+    if closed:
+        top = int(np.argmax(values[:-1]))
+        values = np.append(np.roll(values[:-1], -top), values[top])
+    enough = least * float(np.ptp(values))
+    low = high = values[0]
+    way, count = 0, 0  # 1 in a rise, -1 in a fall
+    for value in values:
+        low, high = min(low, value), max(high, value)
+        if way <= 0 and value - low > enough:
+            way, count, high = 1, count + 1, value
+        elif way >= 0 and high - value > enough:
+            way, count, low = -1, count + 1, value
+    return count
+
+
 def modes_near(space: Discretisation, target: float, count: int, line: Integers) -> list[Mode]:
     """Return the `count` modes with eigenvalues nearest to `target`, in ascending order.
 

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass
+from time import perf_counter
 
 import numpy as np
 
 from ..arrays import Array, Integers
 from ..checks import one_of, positive, whole
-from ..errors import InadmissibleStateError
+from ..errors import InadmissibleStateError, NotConvergedError, SolveError
 from ..geometry.body import Body
 from ..parts import Evolution, Fields, Process
 from ..state import State
 from .kinetics.base import Kinetics
-from .modes import Mode, mode_with
+from .modes import Mode, mode_with, swings
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .stability import Conditions, at_ratio
 from .steady import SteadyState, refine, settle
 
 WRITTEN = ("activator", "inhibitor", "pattern")
-SHIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
+DRIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
+
 
 @dataclass(frozen=True, eq=False)
 class Design:
@@ -55,6 +57,11 @@ class Pattern:
     def inhibitor(self) -> Array:
         """Inhibitor at the band's nodes, shape (n_band_nodes,)."""
         return np.asarray(self.steady.state[1 if self.design.conditions.activator == "u" else 0])
+
+    @property
+    def half_waves(self) -> int:
+        """Number of half waves along the pial surface."""
+        return swings(self.activator[self.design.line], self.design.line[0] == self.design.line[-1])
 
     @property
     def normalised(self) -> Array:
@@ -135,23 +142,36 @@ class Turing(Process):
             )
         return Design(found, mode, space, line, middle)
 
-    def pattern(self, body: Body, seed: int = 0) -> Pattern:
-        """Return the certified steady pattern on a body."""
-        # the way to the pattern is run on linear elements, the pattern itself solved on quadratic ones
+    def pattern(self, body: Body, seed: int = 0, *, deadline: float = math.inf) -> Pattern:
+        """Return the certified steady pattern on a body; deadline: of `time.perf_counter`, for its search."""
         design = self.design(body)
-        found, mesh = design.conditions, body.cortex.mesh
-        linear = ReactionDiffusion(discretise(mesh, 1), self.kinetics, found.d_u, found.d_v)
-        quadratic = ReactionDiffusion(design.space, self.kinetics, found.d_u, found.d_v)
-        # along a closed band the pattern may be shifted: hardly anything but its curvature resists that
-        neutral = SHIFT * found.fastest_rate if body.pial_curve.closed else 0.0
-        settled = settle(linear, self._begin(body, design, seed)[:, : mesh.nvertices], neutral=neutral)
-        vertices = settled.state
-        guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
-        if self.symmetric and not body.mirror:
-            guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
-        steady = refine(quadratic, settled, guess, neutral=neutral)
-        refuse_negative(self.kinetics, steady.state)
-        return Pattern(design, quadratic, steady)
+        begin = self._begin(body, design, seed)
+        # linear elements lead to the pattern fastest; where they miss it, the quadratic ones do it alone
+        failure: SolveError | None = None
+        for search in (_linear_first, _quadratic_only):
+            try:
+                pattern = search(self, body, design, begin, deadline)
+                refuse_negative(self.kinetics, pattern.steady.state)
+                self._refuse_other_number(pattern)
+                return pattern
+            except SolveError as error:
+                if perf_counter() > deadline:
+                    raise
+                failure = error
+        assert failure is not None
+        raise failure
+
+    def _refuse_other_number(self, pattern: Pattern) -> None:
+        found, wanted = pattern.half_waves, pattern.design.mode.half_waves
+        if self.initial != "mode" or found == wanted:
+            return
+        conditions, edge = pattern.design.conditions, pattern.design.space.edge
+        raise NotConvergedError(
+            f"the steady pattern has {found} half waves along this band where {wanted} were asked for: the "
+            f"largest element has edges of {edge:.4g} m, the ratio is {conditions.ratio:.6g}, the "
+            f"critical one {conditions.critical_ratio:.6g}; use elements of at most {edge / 2:.3g} m, a "
+            "ratio nearer to the critical one, or another number of half waves."
+        )
 
     def _half_waves_on(self, body: Body) -> int:
         if not body.mirror:
@@ -187,16 +207,16 @@ class Turing(Process):
         return np.asarray(strengths @ np.cos(np.pi * np.outer(orders, along)))
 
 
-@dataclass(frozen=True)
 class SteadyOnBody(Evolution):
     """A steady pattern on one body."""
 
-    turing: Turing
-    body: Body
+    def __init__(self, turing: Turing, body: Body) -> None:
+        """Keep both."""
+        self.turing, self.body = turing, body
 
     def start(self, state: State, seed: int) -> Fields:
         """Return the steady pattern's fields."""
-        pattern = self.turing.pattern(self.body, seed)
+        pattern = self.turing.pattern(self.body, seed, deadline=self.deadline)
         return {
             "activator": pattern.activator,
             "inhibitor": pattern.inhibitor,
@@ -206,6 +226,33 @@ class SteadyOnBody(Evolution):
     def advance(self, before: State, now: State, dt: float) -> Fields:
         """Return nothing: the pattern is steady on the undeformed band."""
         return {}
+
+
+def _linear_first(turing: Turing, body: Body, design: Design, begin: Array, deadline: float) -> Pattern:
+    """Run to the pattern on linear elements, and solve for it on quadratic ones from there."""
+    found, mesh = design.conditions, body.cortex.mesh
+    linear = ReactionDiffusion(discretise(mesh, 1), turing.kinetics, found.d_u, found.d_v)
+    quadratic = ReactionDiffusion(design.space, turing.kinetics, found.d_u, found.d_v)
+    drift = _tolerated_drift(body, design)
+    settled = settle(linear, begin[:, : mesh.nvertices], neutral=drift, deadline=deadline)
+    vertices = settled.state
+    guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
+    if turing.symmetric and not body.mirror:
+        guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
+    return Pattern(design, quadratic, refine(quadratic, settled, guess, neutral=drift))
+
+
+def _quadratic_only(turing: Turing, body: Body, design: Design, begin: Array, deadline: float) -> Pattern:
+    """Run to the pattern on quadratic elements."""
+    found = design.conditions
+    system = ReactionDiffusion(design.space, turing.kinetics, found.d_u, found.d_v)
+    settled = settle(system, begin, neutral=_tolerated_drift(body, design), deadline=deadline)
+    return Pattern(design, system, settled)
+
+
+def _tolerated_drift(body: Body, design: Design) -> float:
+    # along a closed band the pattern may be shifted: hardly anything but its curvature resists that
+    return DRIFT * design.conditions.fastest_rate if body.pial_curve.closed else 0.0
 
 
 def normalised(values: Array) -> Array:

@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..checks import finite_array, positive
 from ..geometry.triangles import straight_mesh
 from .kinetics.base import Kinetics
-from .linear.direct import Blocks, Pattern, Solver
+from .linear.direct import Blocks, Solver, Sparsity
 from .linear.multigrid import TwoLevel, prolongation
 
 LARGE = 40_000  # linear nodes from which two levels beat a factorisation; see multigrid.py
@@ -28,7 +28,7 @@ LARGE = 40_000  # linear nodes from which two levels beat a factorisation; see m
 class Discretisation:
     """Mass and stiffness of scalar finite elements on a mesh.
 
-    nodes: positions (2, n_nodes).  mass, stiffness: (n_nodes, n_nodes), of one pattern.
+    nodes: positions (2, n_nodes).  mass, stiffness: (n_nodes, n_nodes), of one sparsity.
     edge: of the equilateral triangle as large as the largest element, same unit as the nodes.
     degree: of the elements, 1 or 2.
     """
@@ -59,23 +59,23 @@ class Discretisation:
         return np.asarray(values @ self.weights / self.area)
 
     @cached_property
-    def pattern(self) -> Pattern:
+    def sparsity(self) -> Sparsity:
         """Where the matrices have entries."""
         indices, indptr = (part.astype(np.int64) for part in (self.mass.indices, self.mass.indptr))
-        return Pattern(indices, indptr, self.nodes)
+        return Sparsity(indices, indptr, self.nodes)
 
     @cached_property
     def coarse(self) -> tuple[csr_array, Discretisation]:
         """Interpolation from aggregates of about nine nodes, (n_nodes, n_coarse), and the space they span."""
         up = prolongation(self.stiffness)
         down = csr_array(up.T)
-        mass, stiffness = _one_pattern(*(down @ matrix @ up for matrix in (self.mass, self.stiffness)))
+        mass, stiffness = _one_sparsity(*(down @ matrix @ up for matrix in (self.mass, self.stiffness)))
         nodes = (down @ self.nodes.T).T / np.asarray(down.sum(axis=1)).ravel()
         return up, Discretisation(nodes, mass, stiffness, self.edge, self.degree)
 
 
-def _one_pattern(mass: csc_array, stiffness: csc_array) -> tuple[csc_array, csc_array]:
-    both = csc_array(mass + 1j * stiffness)  # one sum, one pattern
+def _one_sparsity(mass: csc_array, stiffness: csc_array) -> tuple[csc_array, csc_array]:
+    both = csc_array(mass + 1j * stiffness)  # one sum, one sparsity
     both.sort_indices()
     real, imaginary = (
         csc_array((part.copy(), both.indices, both.indptr)) for part in (both.data.real, both.data.imag)
@@ -106,7 +106,7 @@ def discretise(mesh: MeshTri1, degree: int = 2, *, lumped: bool = False) -> Disc
     matrix = mass.assemble(basis)
     if lumped:
         matrix = diags_array(np.asarray(matrix.sum(axis=0)).ravel())
-    parts = _one_pattern(matrix, laplace.assemble(basis))
+    parts = _one_sparsity(matrix, laplace.assemble(basis))
     largest = float(np.abs(basis.dx.sum(axis=1)).max())
     edge = float(np.sqrt(4 * largest / np.sqrt(3)))
     return Discretisation(nodes, parts[0], parts[1], edge, degree)
@@ -143,7 +143,7 @@ class ReactionDiffusion:
         return np.asarray((self.space.stiffness @ (state.T * [self.d_u, self.d_v])).T)
 
     def _blocks(self, state: Array, shift: float) -> Blocks:
-        space, at = self.space, self.space.pattern.columns
+        space, at = self.space, self.space.sparsity.columns
         m, k = space.mass.data, space.stiffness.data
         p_u, p_v, q_u, q_v = (slope[at] for slope in self.kinetics.derivatives(*state))
         uu, vv = m * (shift - p_u) + self.d_u * k, m * (shift - q_v) + self.d_v * k
@@ -151,11 +151,11 @@ class ReactionDiffusion:
 
     def matrix(self, state: Array, shift: float = 0.0) -> csc_array:
         """Return shift·M − ∂rate/∂w, the unknowns in the order u₀ v₀ u₁ v₁ ..."""
-        return self.space.pattern.coupled(self._blocks(state, shift))
+        return self.space.sparsity.coupled(self._blocks(state, shift))
 
     def solver(self, state: Array, shift: float = 0.0) -> Solver:
         """Factorise shift·M − ∂rate/∂w; the function returned maps (2, n_nodes) to (2, n_nodes)."""
-        return self.space.pattern.coupled_solver(self._blocks(state, shift))
+        return self.space.sparsity.coupled_solver(self._blocks(state, shift))
 
     def quick_solver(self, state: Array, shift: float, tolerance: float) -> Solver:
         """Return such a solver that, on LARGE linear meshes, iterates to a residual below tolerance·|right|.

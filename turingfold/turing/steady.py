@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from time import perf_counter
 
 import numpy as np
 
@@ -98,16 +99,19 @@ def settle(
     steps: int = 1000,
     tolerance: float = 1e-2,
     neutral: float = 0.0,
+    deadline: float = math.inf,
 ) -> SteadyState:
     """Run from a start until the pattern stands, polish it with Newton's method, and certify it.
 
     until, steps: longest time and largest number of steps to run.  neutral: rate up to which a perturbation
     may grow.
     tolerance: local error of the run, relative; the end point does not depend on it.
+    deadline: of `time.perf_counter`.
     Raises NotConvergedError if nothing stable is reached by then.
     """
     slow, leading, moment = 1e-3, complex(math.nan), None
     for moment in march(system, start, until=until, tolerance=tolerance):
+        check_deadline(deadline, moment.time)
         if speed(system, moment.state) < slow:
             slow *= 0.1  # what stands still may yet be unstable: then wait ten times longer
             try:
@@ -126,6 +130,16 @@ def settle(
         "another state, or expect a pattern that never rests.",
         time=time,
     )
+
+
+def check_deadline(deadline: float, time: float) -> None:
+    """Raise NotConvergedError if `time.perf_counter` is past the deadline."""
+    if perf_counter() > deadline:
+        raise NotConvergedError(
+            f"the time limit was reached while the pattern evolved, at {time:.4g}; allow more with "
+            "Stepping(seconds=...), or use fewer elements.",
+            time=time,
+        )
 
 
 def _reason(leading: complex) -> str:

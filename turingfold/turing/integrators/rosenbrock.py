@@ -15,6 +15,7 @@ import numpy as np
 from ...arrays import Array
 from ...checks import positive
 from ...errors import NotConvergedError
+from ..kinetics.base import Kinetics
 from ..reaction_diffusion import ReactionDiffusion
 
 
@@ -127,6 +128,32 @@ class ErrorNorm:
         return float(np.sqrt(np.mean((error / (self.tolerance * size + least + 1e-300)) ** 2)))
 
 
+def turns_negative(kinetics: Kinetics, before: Array, after: Array, tolerance: float) -> bool:
+    """Return whether a step takes concentrations below 0 by more than the tolerance, relative to the largest.
+
+    Rates of concentrations may have poles below 0, and a step across one ends in states that mean nothing.
+    """
+    if not kinetics.non_negative:
+        return False
+    allowed = np.minimum(before.min(axis=1), -tolerance * np.abs(before).max(axis=1))
+    return bool((after.min(axis=1) < allowed).any())
+
+
+def step_too_small(step: float, time: float, fastest: float, negative: bool) -> NotConvergedError:
+    """Return the error that says why no step is small enough."""
+    reason = (
+        "concentrations turn negative there, because the elements are too large for a front or a peak; use "
+        "smaller elements, or linear ones with lumped mass"
+        if negative
+        else "the kinetics blow up there; change parameters or start"
+    )
+    return NotConvergedError(
+        f"the step of the reaction-diffusion run fell to {step:.3g} at time {time:.6g}, 1e-12 of the "
+        f"reaction time {fastest:.3g}: {reason}.",
+        time=time,
+    )
+
+
 def reaction_time(system: ReactionDiffusion, state: Array) -> float:
     """Return one over the largest derivative of the rates at a state."""
     return 1 / max(float(np.abs(slope).max()) for slope in system.kinetics.derivatives(*state))
@@ -148,6 +175,7 @@ def march(
     tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the
     largest value of each species.  first: first step; default a tenth of the fastest reaction time.
     during: where the system changes in time, the system that stands for the interval (time, time + step).
+    A step that takes concentrations below 0 by more than the tolerance, relative to the largest, is halved.
     Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
     """
     norm = ErrorNorm(positive("tolerance", tolerance, at_most=0.5), floor)
@@ -163,18 +191,17 @@ def march(
         )
         factorizations += 1
         factor = 0.9 * max(error, 1e-8) ** (-1 / tableau.order) if math.isfinite(error) else 0.1
-        if error <= 1.0:
+        negative = turns_negative(system.kinetics, state, candidate, tolerance)
+        if negative:
+            step, growth = 0.5 * step, 1.0
+        elif error <= 1.0:
             time, state, steps = until if last else time + step, candidate, steps + 1
             yield Moment(time, state, steps, factorizations)
             step, growth = step * min(growth, max(0.2, factor)), 5.0
         else:
             step, growth = step * max(0.1, min(0.9, factor)), 1.0
         if step < 1e-12 * fastest:
-            raise NotConvergedError(
-                f"the step of the reaction-diffusion run fell to {step:.3g} at time {time:.6g}, 1e-12 of the "
-                f"reaction time {fastest:.3g}: the kinetics blow up there; change parameters or start.",
-                time=time,
-            )
+            raise step_too_small(step, time, fastest, negative)
 
 
 def rosenbrock_step(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,19 +20,19 @@ Derivatives = Callable[[Array, Array], Four]
 class UserKinetics(Kinetics):
     """Kinetics from functions of arrays: p(u, v), q(u, v) and, if given, their four derivatives.
 
-    p, q: rates of u and v, vectorised.
-    slopes: function giving (∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v); without it central differences are used.
+    p, q: rates of u and v, from arrays to arrays: np.exp, not math.exp; np.where, not if.
+    partial_derivatives: function giving ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v; without it central differences are used.
     guesses: states (u, v) from which uniform steady states are searched; at least one.
     ratio: d_inhibitor / d_activator to use where none is asked for.
 
-    Raises ValueError if the functions do not return finite arrays of the shape given, or if `slopes`
-    disagrees with differences of p and q by more than 1e-5 near a guess.
+    Raises ValueError if the functions do not return finite arrays of the shape given, or if the derivatives
+    disagree with differences of p and q by more than 1e-5 near a guess.
     """
 
     p: Rate
     q: Rate
     guesses: tuple[Point, ...]
-    slopes: Derivatives | None = None
+    partial_derivatives: Derivatives | None = None
     ratio: float = 10.0
     non_negative: ClassVar[bool] = False
 
@@ -45,9 +45,12 @@ class UserKinetics(Kinetics):
         for guess in self.guesses:
             u, v = guess[0] * spread + 0.01, guess[1] * spread[::-1] + 0.01
             for name, rate in (("p", self.p), ("q", self.q)):
-                finite_array(f"UserKinetics: {name}(u, v)", rate(u, v), (len(u),))
-            if self.slopes is not None:
-                self._compare(self.slopes(u, v), self._differences(u, v), (u, v))
+                finite_array(f"UserKinetics: {name}(u, v)", _tried(name, rate, u, v), (len(u),))
+            if self.partial_derivatives is not None:
+                given = _tried("partial_derivatives", self.partial_derivatives, u, v)
+                name = "UserKinetics: partial_derivatives(u, v)"
+                p_u, p_v, q_u, q_v = finite_array(name, given, (4, len(u)))
+                self._compare((p_u, p_v, q_u, q_v), self._differences(u, v), (u, v))
 
     @property
     def published_ratio(self) -> float:  # type: ignore[override]
@@ -61,11 +64,14 @@ class UserKinetics(Kinetics):
 
     def rates(self, u: Array, v: Array) -> Pair:
         """Return p and q."""
-        return self.p(u, v), self.q(u, v)
+        return np.asarray(self.p(u, v)), np.asarray(self.q(u, v))
 
     def derivatives(self, u: Array, v: Array) -> Four:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
-        return self._differences(u, v) if self.slopes is None else self.slopes(u, v)
+        if self.partial_derivatives is None:
+            return self._differences(u, v)
+        p_u, p_v, q_u, q_v = (np.asarray(values) for values in self.partial_derivatives(u, v))
+        return p_u, p_v, q_u, q_v
 
     def steady_states(self) -> tuple[Point, ...]:
         """Return the distinct states that Newton's method reaches from the guesses."""
@@ -94,8 +100,9 @@ class UserKinetics(Kinetics):
     def _differences(self, u: Array, v: Array) -> Four:
         size = np.cbrt(np.finfo(float).eps)
         h, k = size * (1 + np.abs(u)), size * (1 + np.abs(v))
-        by_u = [(rate(u + h, v) - rate(u - h, v)) / (2 * h) for rate in (self.p, self.q)]
-        by_v = [(rate(u, v + k) - rate(u, v - k)) / (2 * k) for rate in (self.p, self.q)]
+        rates = self.rates
+        by_u = [(a - b) / (2 * h) for a, b in zip(rates(u + h, v), rates(u - h, v), strict=True)]
+        by_v = [(a - b) / (2 * k) for a, b in zip(rates(u, v + k), rates(u, v - k), strict=True)]
         return by_u[0], by_v[0], by_u[1], by_v[1]
 
     def _compare(self, given: Four, differences: Four, at: Pair) -> None:
@@ -104,7 +111,18 @@ class UserKinetics(Kinetics):
             worst = int(np.argmax(np.abs(mine - theirs)))
             if abs(mine[worst] - theirs[worst]) > 1e-5 * scale:
                 raise ValueError(
-                    f"UserKinetics: slopes gives {name}={theirs[worst]:g} at u={at[0][worst]:g}, "
-                    f"v={at[1][worst]:g}, but differences of the rates give {mine[worst]:g}; correct slopes "
-                    "or leave it out."
+                    f"UserKinetics: partial_derivatives gives {name}={theirs[worst]:g} at "
+                    f"u={at[0][worst]:g}, v={at[1][worst]:g}, but differences of the rates give "
+                    f"{mine[worst]:g}; correct it or leave it out."
                 )
+
+
+def _tried(name: str, function: Callable[[Array, Array], Any], u: Array, v: Array) -> Any:
+    """Return what a user's function makes of arrays; raise ValueError with the remedy where it fails."""
+    try:
+        return function(u, v)
+    except (TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        raise ValueError(
+            f"UserKinetics: {name}(u, v) failed for arrays u and v with {type(error).__name__}: {error}; use "
+            "numpy on whole arrays: np.exp in place of math.exp, np.where in place of if."
+        ) from error

@@ -30,7 +30,7 @@ NARROW = 80  # half bandwidth up to which the banded factorisation is the faster
 
 
 def factorised(matrix: csc_array) -> SuperLU:
-    """Factorise a sparse matrix of symmetric pattern."""
+    """Factorise a sparse matrix of symmetric sparsity."""
     return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options={"SymmetricMode": True})
 
 
@@ -41,7 +41,7 @@ def _bandwidth(rows: Integers, columns: Integers, order: Integers) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class Sparsity:
     """Where a scalar matrix has entries, shape (n, n) by columns, and the positions of its nodes (2, n)."""
 
     indices: Integers
@@ -94,7 +94,7 @@ class Pattern:
 
     @cached_property
     def _coupled(self) -> tuple[csc_array, Integers]:
-        # the pattern, and where each entry is found in the blocks uu, uv, vu, vv laid end to end
+        # the sparsity, and where each entry is found in the blocks uu, uv, vu, vv laid end to end
         count = len(self.indices)
         numbers = self.matrix(np.arange(1.0, count + 1.0))
         offsets = np.array([[0, count], [2 * count, 3 * count]])
