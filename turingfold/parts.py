@@ -44,12 +44,7 @@ class Part(ABC):
 
 
 class Evolution(ABC):
-    """A process on a body.
-
-    deadline: of `time.perf_counter`, set before `start`; long work that passes it ends with a SolveError.
-    """
-
-    deadline: float = math.inf
+    """A process on a body."""
 
     @abstractmethod
     def start(self, state: State, seed: int) -> Fields:
@@ -62,6 +57,15 @@ class Evolution(ABC):
         before: the last accepted state, complete and in equilibrium: displacement, growth and stress belong
         together.  now: the new time, and the fields that earlier processes have at that time.
         """
+
+
+class LongEvolution(Evolution):
+    """A process on a body whose start or steps may take long.
+
+    deadline: of `time.perf_counter`, set before `start`; work that passes it ends with a NotConvergedError.
+    """
+
+    deadline: float = math.inf
 
 
 class Process(Part):

@@ -21,6 +21,7 @@ from ..parts import (
     Evaluation,
     Evolution,
     Hessian,
+    LongEvolution,
     Operator,
     Potential,
     Process,
@@ -114,7 +115,7 @@ class Problem:
         self.deadline = perf_counter() + scene.stepping.seconds
         self.operators: list[Operator] = [term.on(body) for term in scene.terms]
         self._processes: list[tuple[Process, Evolution]] = [(p, p.on(body)) for p in scene.processes]
-        for _, evolution in self._processes:
+        for evolution in (e for _, e in self._processes if isinstance(e, LongEvolution)):
             evolution.deadline = self.deadline
         supported = any(operator.resists_rigid_motions for operator in self.operators)
         self.held: Integers = body.supported if supported else body.fixed

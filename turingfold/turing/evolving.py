@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..checks import between, positive
 from ..errors import InadmissibleStateError, NotConvergedError
 from ..geometry.body import Body
-from ..parts import Evolution, Fields, Process
+from ..parts import Fields, LongEvolution, Process
 from ..state import State
 from .integrators.rosenbrock import march
 from .kinetics.base import Four, Kinetics, Pair, Point
@@ -81,7 +81,7 @@ class EvolvingTuring(Process):
         return EvolvingOnBody(self, body)
 
 
-class EvolvingOnBody(Evolution):
+class EvolvingOnBody(LongEvolution):
     """An evolving pattern on one body."""
 
     def __init__(self, evolving: EvolvingTuring, body: Body) -> None:

@@ -12,7 +12,7 @@ from ..arrays import Array, Integers
 from ..checks import one_of, positive, whole
 from ..errors import InadmissibleStateError, NotConvergedError, SolveError
 from ..geometry.body import Body
-from ..parts import Evolution, Fields, Process
+from ..parts import Fields, LongEvolution, Process
 from ..state import State
 from .kinetics.base import Kinetics
 from .modes import Mode, mode_with, swings
@@ -207,7 +207,7 @@ class Turing(Process):
         return np.asarray(strengths @ np.cos(np.pi * np.outer(orders, along)))
 
 
-class SteadyOnBody(Evolution):
+class SteadyOnBody(LongEvolution):
     """A steady pattern on one body."""
 
     def __init__(self, turing: Turing, body: Body) -> None:
