@@ -18,6 +18,9 @@ def negative_pivots(sparsity: Sparsity, values: Array) -> int:
     return Indefinite(sparsity).factorize(values).negative
 
 
+SHIFTS = (1e-10, -1e-10, 1e-8)  # of the diagonal, in units of the largest entry
+
+
 @dataclass(frozen=True)
 class Factors:
     """A factorisation P A Pᵀ = L D Lᵀ; `negative` counts negative entries of D, that is eigenvalues of A."""
@@ -39,6 +42,7 @@ class Indefinite:
     def __init__(self, sparsity: Sparsity) -> None:
         """Find the ordering."""
         self._n = sparsity.n
+        self._on_diagonal = sparsity.rows == sparsity.columns
         marks = np.arange(1.0, len(sparsity.keys) + 1)  # of the entries, to find them again after reordering
         unit = symmetric(sparsity, np.where(sparsity.rows == sparsity.columns, 1.0 + sparsity.n, 1e-3))
         options = {"SymmetricMode": True}
@@ -49,7 +53,20 @@ class Indefinite:
         self._take = self._places.data.astype(np.int64) - 1
 
     def factorize(self, values: Array) -> Factors:
-        """Return the factors; raises NotConvergedError for an exactly singular matrix."""
+        """Return the factors; raises NotConvergedError for a singular matrix.
+
+        A pivot that comes out as zero by chance is avoided by a shift of the diagonal far below the smallest
+        eigenvalue that is of use; the shift is tried at a few sizes.
+        """
+        largest = float(np.abs(values).max())
+        for shift in (0.0, *SHIFTS):
+            try:
+                return self._factors(values + shift * largest * self._on_diagonal if shift else values)
+            except NotConvergedError as error:
+                failed = error
+        raise failed
+
+    def _factors(self, values: Array) -> Factors:
         places = self._places
         matrix = csc_matrix((values[self._take], places.indices, places.indptr), shape=(self._n, self._n))
         try:

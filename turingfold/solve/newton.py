@@ -20,6 +20,7 @@ CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in th
 DOUBLINGS = 8  # of a step away from a saddle
 NEAR = 3e-3  # of the way between two equilibria: a tangent made this close to the second certifies it
 ARMIJO = 1e-4
+OF_LOAD, ROUND_OFF = 1e-3, 1e-13  # residuals that need no iteration: as a share of the load's, and at all
 SHORTEST = 2.0**-30
 
 
@@ -159,7 +160,7 @@ class Minimiser:
         predicted: the displacement expected; of the way there, the admissible part is taken.
         Raises NotConvergedError when the iterations run out or the energy cannot be lowered.
         """
-        at, guess = _lowest(potentials, x, predicted)
+        start, at, guess = _lowest(potentials, x, predicted)
         tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
         origin, before = None if tangent is None else tangent.point, float("inf")
         if at.x is guess and self._missed < NEAR:
@@ -170,7 +171,7 @@ class Minimiser:
             self.effort.add("forces", begin)
             if not np.isfinite(residual):
                 raise NotConvergedError("the forces are not finite", residual=residual)
-            if residual <= self.tolerance:
+            if residual <= self.tolerance and (iteration or self._is_balanced(residual, start)):
                 return Equilibrium(at, residual, self._certified(at, guess, origin, tangent))
             if iteration == self.iterations:
                 break
@@ -182,6 +183,13 @@ class Minimiser:
             at = self._search(at, gradient, direction, residual)
             self.effort.iterations += 1
         raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
+
+    def _is_balanced(self, residual: float, start: Configuration) -> bool:
+        """Return whether forces are small against the change of the loads since the start, too.
+
+        A load may be so small that the residual, relative to the moduli, does not see it.
+        """
+        return residual <= ROUND_OFF or residual <= OF_LOAD * start.forces(self.assembler.free)[1]
 
     @property
     def out_of_time(self) -> bool:
@@ -290,20 +298,22 @@ class Minimiser:
 
 def _lowest(
     potentials: tuple[Potential, ...], x: Array, predicted: Array | None
-) -> tuple[Configuration, Array | None]:
-    """Return the configuration of lower energy, x or the admissible part of the way to a prediction, and
-    where that part ends."""
+) -> tuple[Configuration, Configuration, Array | None]:
+    """Return the configuration at x, the one of lower energy of it and the prediction's, and the latter's x.
+
+    Of the way to the prediction the admissible part is taken.
+    """
     at = configuration(potentials, x)
     if at is None:
         raise NotConvergedError("the start of the step is not admissible (J* <= 0 or walls crossing)")
     if predicted is None:
-        return at, None
+        return at, at, None
     ahead = predicted - x
     guess = np.asarray(x + at.largest_step(ahead) * ahead)
     there = configuration(potentials, guess)
     if there is not None and there.energy <= at.energy:
-        return there, guess
-    return at, guess
+        return at, there, guess
+    return at, at, guess
 
 
 def _lengthened(at: Configuration, there: Configuration) -> Configuration:
