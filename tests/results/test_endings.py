@@ -136,11 +136,14 @@ def test_states_are_found_by_their_time():
 
 
 def test_an_end_with_triangles_turned_over_is_invalid(tmp_path, monkeypatch):
-    monkeypatch.setattr("turingfold.results.measures.folded_over", lambda mesh, nodes: np.array([3]))
-    result = simulate(elastic_scene(), tmp_path / "out")
+    turned = iter([0, 0, 2, 1] + 20 * [0])  # in between only
+    monkeypatch.setattr(
+        "turingfold.results.simulate.folded_over", lambda mesh, nodes: np.arange(next(turned))
+    )
+    result = simulate(elastic_scene(stepping=HURRIED), tmp_path / "out")
     assert result.status == "invalid"
     assert not result.converged
-    with pytest.warns(UnfinishedWarning, match=r"invalid at t = 1 of 1\. .* 1 triangle\(s\) are turned over"):
+    with pytest.warns(UnfinishedWarning, match=r"invalid at .* 2 of 10 states, the first that of t = 0\.3,"):
         assert load(tmp_path / "out").summary() == result.summary()
 
 

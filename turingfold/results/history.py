@@ -21,7 +21,7 @@ Row = dict[str, float]
 
 COLUMNS = (
     "time", "growth", "energy", "newton_iterations", "factorizations", "min_jacobian", "min_gap",
-    "gyrification_index", "negative_pivots", "step", "residual", "seconds",
+    "inverted_elements", "gyrification_index", "negative_pivots", "step", "residual", "seconds",
 )  # fmt: skip
 CHECK = "crc32"
 

@@ -41,7 +41,7 @@ def _area_ratio(body: Body, displacement: Array) -> Array:
 def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     """Return what is wrong with the shape of a state, if anything, and what its pial surface looks like.
 
-    inverted_elements: triangles turned over at a corner or an edge middle.  gyrification_index is against
+    inverted_elements: triangles turned over somewhere.  gyrification_index is against
     the convex hull, closed_gyrification_index against the closing by a disc of closing_radius, m.
     sulcal_depth: mean, m, of the sulci that are at least least_fold_depth, m, deep and still there after
     averaging along fold_smoothing, m.  mirror_error: m, None for a body that is not its own mirror image.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from ..checks import instance, whole
 from ..errors import NotConvergedError, SolveError
-from ..geometry.body import Body
+from ..geometry.triangles import folded_over
 from ..growth.measure import largest_growth
 from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
 from ..state import State
-from .measures import fold_numbers
 from .result import FilePath, Result, Row, observe
 from .surface import along_pial, pial_closed
 
@@ -173,6 +172,7 @@ class _Run:
         pial = along_pial(body, (body.nodes + state["displacement"])[:, body.pial])
         index = gyrification_index(pial, closed=pial_closed(body))
         row = {**step.numbers, "growth": largest_growth(state), "gyrification_index": index}
+        row["inverted_elements"] = len(folded_over(body.mesh, body.nodes + state["displacement"]))
         began = perf_counter()
         if self.folder is not None:
             if _due(before, state.time, self.scene.until, self.frames):
@@ -198,7 +198,7 @@ class _Run:
                 self.folder.cut(len(self.history))
             self._save(self.position)
         if reached(self.scene, self.states[-1].time):
-            status, message = _validity(self.scene.body, self.states[-1])
+            status, message = _validity(self.history)
         elif self.folder is not None and self.position is not None:
             self._keep(len(self.history), self.states[-1])
         states, history = tuple(self.states), tuple(self.history)
@@ -226,15 +226,15 @@ class _Run:
         return {part: self.parts.get(part, 0.0) + self.marching.get(part, 0.0) for part in parts}
 
 
-def _validity(body: Body, state: State) -> tuple[str, str]:
-    """Return status and message of a run that has reached its end in this state."""
-    numbers = fold_numbers(body, state)
-    turned, crossings = numbers["inverted_elements"], numbers["self_intersections"]
-    if not turned and not crossings:
+def _validity(history: Sequence[Row]) -> tuple[str, str]:
+    """Return status and message of a run that has reached its end."""
+    turned = [row for row in history if row["inverted_elements"] > 0]
+    if not turned:
         return "converged", ""
     return "invalid", (
-        f"The end was reached, but {turned} triangle(s) are turned over and the pial surface crosses itself "
-        f"{crossings} time(s). Try smaller elements, shorter steps (Stepping(largest=...)) or SelfContact()."
+        f"The end was reached, but {len(turned)} of {len(history)} states, the first that of t = "
+        f"{turned[0]['time']:.6g}, have triangles that are turned over somewhere; try smaller elements or less "
+        "growth."
     )
 
 
