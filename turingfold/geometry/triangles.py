@@ -69,6 +69,7 @@ def check_elements(mesh: MeshTri2) -> None:
         k = int(folded[0])
         centre = mesh.p[:, mesh.t[:, k]].mean(1)
         raise ValueError(
-            f"triangle {k} of the mesh at ({centre[0]:.4g}, {centre[1]:.4g}) m folds over itself: its Jacobian "
-            "is not positive everywhere; move its edge middles or use smaller elements along the curved side."
+            f"triangle {k} of the mesh at ({centre[0]:.4g}, {centre[1]:.4g}) m folds over itself: its "
+            "Jacobian is not positive everywhere; move its edge middles, or use smaller elements along the "
+            "curved side."
         )

@@ -233,8 +233,8 @@ def _validity(history: Sequence[Row]) -> tuple[str, str]:
         return "converged", ""
     return "invalid", (
         f"The end was reached, but {len(turned)} of {len(history)} states, the first that of t = "
-        f"{turned[0]['time']:.6g}, have triangles that are turned over somewhere; try smaller elements or less "
-        "growth."
+        f"{turned[0]['time']:.6g}, have triangles that are turned over somewhere; try smaller elements or "
+        "less growth."
     )
 
 
