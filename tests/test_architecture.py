@@ -110,6 +110,11 @@ def test_heavy_packages_are_imported_where_they_are_used(path):
         assert not {name.split(".")[0] for name in names} & set(HEAVY)
 
 
+def test_every_folder_is_installed():
+    folders = {path.parent for path in PACKAGE.rglob("*.py")} - {PACKAGE / "cases"}
+    assert not [folder for folder in folders if not (folder / "__init__.py").exists()]
+
+
 def test_folders_define_nothing():
     for path in PACKAGE.rglob("__init__.py"):
         if path.parent != PACKAGE:

@@ -1,0 +1,1 @@
+"""Running a scene, what comes of it, and how that is stored."""
