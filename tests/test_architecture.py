@@ -29,6 +29,7 @@ ROOMS = (
     ("results",),
     ("figures",),
     ("studies",),
+    ("sensitivity",),
     ("app",),
     ("cli",),
     ("__main__",),

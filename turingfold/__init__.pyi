@@ -81,6 +81,8 @@ from .results.simulate import CoarseMeshWarning as CoarseMeshWarning
 from .results.simulate import StoppedError as StoppedError
 from .results.simulate import simulate as simulate
 from .scene import Scene as Scene
+from .sensitivity.forward import Sensitivity as Sensitivity
+from .sensitivity.forward import sensitivity as sensitivity
 from .stability.arc_length import EquilibriumPath as EquilibriumPath
 from .stability.arc_length import PathStoppedError as PathStoppedError
 from .stability.arc_length import equilibria as equilibria

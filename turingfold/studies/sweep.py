@@ -29,7 +29,7 @@ def varied(scene: Scene, values: Mapping[str, Sequence[Any]]) -> dict[str, Scene
     for name, chosen in named_combinations(values).items():
         changed = scene
         for parameter, value in chosen.items():
-            changed = _with(changed, parameter, value)
+            changed = with_value(changed, parameter, value)
         found[name] = changed
     return found
 
@@ -125,7 +125,8 @@ def _named(label: str, value: Any) -> str:
     return f"{label}={as_text(value)}"
 
 
-def _with(scene: Scene, parameter: str, value: Any) -> Scene:
+def with_value(scene: Scene, parameter: str, value: Any) -> Scene:
+    """Return the scene with another value of one parameter; see `varied`."""
     part, *names = parameter.split(".")
     old = _part(scene, part)
     if not names:

@@ -1,0 +1,132 @@
+"""Sensitivities against equilibria that are solved again with other parameters; what is refused."""
+
+import numpy as np
+import pytest
+from small import folding_scene
+
+from turingfold import (
+    Drag,
+    Imperfection,
+    Stepping,
+    StressGrowth,
+    TangentialGrowth,
+    load,
+    sensitivity,
+    simulate,
+)
+from turingfold.geometry.body import by_node
+from turingfold.parts import TimeStep
+from turingfold.sensitivity.forward import perimeter
+from turingfold.solve.newton import Minimiser
+from turingfold.solve.problem import Problem
+from turingfold.studies.sweep import value_of, with_value
+
+PARAMETERS = (
+    "TangentialGrowth.cortex", "TangentialGrowth.core", "Elastic.gray.mu", "Elastic.white.kappa",
+    "AxonalTension.strength", "Imperfection.amplitude", "SelfContact.stiffness",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result():
+    from dataclasses import replace
+
+    made = folding_scene()
+    processes = (*made.processes, Imperfection(amplitude=0.02))
+    steps = replace(made.stepping, tolerance=1e-10)
+    found = simulate(replace(made, processes=processes, stepping=steps))
+    assert found.summary()["folds"] >= 3
+    assert found.summary()["min_gap"] < 1e-4, "walls are to touch"
+    return found
+
+
+def solved_again(result, parameter, value):
+    """Return displacement and energy of the equilibrium that is nearest, with another value."""
+    changed = with_value(result.scene, parameter, value)
+    problem, old = Problem(changed), result.last
+    state = problem.processed(problem.start(), old.time).updated(displacement=old["displacement"])
+    minimiser = Minimiser(problem.n_dofs, problem.held, 1e-11, 60)
+    found = minimiser.minimise(problem.potentials(state, TimeStep(old.time)), by_node(old["displacement"]))
+    return found.x, found.energy
+
+
+@pytest.fixture(scope="module")
+def found(result):
+    return sensitivity(result, to=PARAMETERS)
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS)
+def test_derivatives_are_those_of_equilibria_solved_again(result, found, parameter):
+    value = value_of(result.scene, parameter)
+    h = 2e-6 * value
+    (up, above), (down, below) = (solved_again(result, parameter, value + s * h) for s in (1, -1))
+    k, body = PARAMETERS.index(parameter), result.scene.body
+    expected = ((up - down) / (2 * h)).reshape(-1, 2).T
+    scale = np.abs(expected).max()
+    assert scale > 0
+    assert np.abs(found.displacement[k] - expected).max() < 1e-5 * scale
+    assert found.of("energy", parameter) == pytest.approx((above - below) / (2 * h), rel=1e-5)
+    points = [(body.nodes + x.reshape(-1, 2).T)[:, body.pial] for x in (up, down)]
+    longer = (perimeter(points[0], False) - perimeter(points[1], False)) / (2 * h)
+    assert found.of("perimeter", parameter) == pytest.approx(longer, rel=1e-4)
+    assert found.errors[k] < 1e-5
+
+
+def test_a_function_of_the_users_own_and_errors_from_uncertain_moduli(result, found):
+    def height(points):
+        return float(points[1].max())
+
+    own = sensitivity(result, to=("Elastic.gray.mu", "Elastic.white.kappa"), of=(height, "energy"))
+    assert own.measures == ("height", "energy")
+    k = np.argmax(result.pial()[1])
+    node = result.scene.body.pial[k]
+    assert own.derivatives[0, 0] == pytest.approx(own.displacement[0, 1, node], rel=1e-6)
+    spread = own.deviations([10.0, 20.0])
+    assert spread[1] == pytest.approx(np.hypot(10 * own.derivatives[1, 0], 20 * own.derivatives[1, 1]))
+
+
+def test_the_table_says_per_cent(found):
+    assert found.relative.shape == (4, len(PARAMETERS))
+    energy = found.measures.index("energy")
+    # all energies scale with all stiffnesses and loads together
+    assert found.relative[energy].max() > 0
+    assert "TangentialGrowth.cortex" in found.text()
+
+
+@pytest.mark.parametrize(
+    ("parameter", "words"),
+    [
+        ("TangentialGrowth.corex", "cortex"),
+        ("Turing.half_waves", "without jumps"),
+        ("Stepping.largest", "no parameter of a part"),
+        ("AxonalTension.surface", "without jumps"),
+    ],
+)
+def test_what_has_no_sensitivity_is_refused(result, parameter, words):
+    with pytest.raises(ValueError, match=words):
+        sensitivity(result, to=(parameter,))
+
+
+def test_scenes_with_memory_are_refused_by_name(result):
+    from dataclasses import replace
+
+    scene = result.scene
+    quick = Stepping(first=0.02, largest=0.02)
+    drag = replace(scene, terms=(*scene.terms, Drag(coefficient=1.0)), until=0.02, stepping=quick)
+    with pytest.raises(ValueError, match="Drag"):
+        sensitivity(simulate(drag), to=("TangentialGrowth.cortex",))
+    growth = (TangentialGrowth(cortex=1.1), StressGrowth(rate=1e-4))
+    terms = tuple(term for term in scene.terms if type(term).__name__ == "Elastic")
+    grown = replace(scene, terms=terms, processes=growth, until=0.02, stepping=quick)
+    with pytest.raises(ValueError, match="StressGrowth"):
+        sensitivity(simulate(grown), to=("TangentialGrowth.cortex",))
+
+
+def test_stored_results_have_them_too(result, found, tmp_path):
+    from dataclasses import replace
+
+    scene = replace(result.scene, until=0.1)
+    simulate(scene, tmp_path / "out")
+    stored = sensitivity(load(tmp_path / "out"), to=("Elastic.gray.mu",), of=("energy",))
+    fresh = sensitivity(simulate(scene), to=("Elastic.gray.mu",), of=("energy",))
+    assert stored.derivatives[0, 0] == fresh.derivatives[0, 0]

@@ -1,0 +1,1 @@
+"""Sensitivities: how much what comes of a scene changes with its parameters."""

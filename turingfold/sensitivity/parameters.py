@@ -1,0 +1,117 @@
+"""How forces and energy change with a parameter of a part while the body stays where it is.
+
+The part is made anew with the parameter a little larger and smaller, and with it the processes that its
+change reaches; everything else is kept. Differences over h and h/2 are extrapolated, so that errors are of
+order h⁴, and how far the two lie apart says how large they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..parts import Process, TimeStep
+from ..scene import Scene
+from ..solve.problem import Problem
+from ..state import State
+from ..studies.sweep import value_of, with_value
+
+STEP = 1e-3  # change of a parameter, relative to it; of one that is 0, in its own unit
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """∂g/∂p, (2 n_nodes,), and ∂E/∂p at a fixed displacement.  error: of ∂g/∂p, relative."""
+
+    gradient: Array
+    energy: float
+    error: float
+
+
+def change(scene: Scene, state: State, x: Array, parameter: str, step: TimeStep) -> Change:
+    """Return how forces and energy at x change with a parameter, "Part.name".
+
+    state: the fields at x; those that the parameter changes are made anew.
+    Raises ValueError for what is no number of a part.
+    """
+    value = number_of(scene, parameter)
+    h = STEP * abs(value) if value else STEP
+    wide, narrow = (_difference(scene, state, x, parameter, step, value, share * h) for share in (1.0, 0.5))
+    found = (4 * narrow - wide) / 3
+    size = float(np.linalg.norm(found[:-1]))
+    error = float(np.linalg.norm((narrow - wide)[:-1])) / 3 / size if size > 0 else 0.0
+    return Change(found[:-1], float(found[-1]), error)
+
+
+def number_of(scene: Scene, parameter: str) -> float:
+    """Return the value of a parameter that is a number; raises ValueError for any other."""
+    part = parameter.partition(".")[0]
+    if part in ("Scene", "Stepping"):
+        raise ValueError(f"{parameter} is no parameter of a part; give one such as TangentialGrowth.cortex.")
+    value = value_of(scene, parameter)
+    if isinstance(value, bool) or not isinstance(value, float):
+        raise ValueError(
+            f"{parameter} is {value!r}: only what changes without jumps, a number with a decimal point, has "
+            "a sensitivity."
+        )
+    return value
+
+
+def _difference(
+    scene: Scene, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
+) -> Array:
+    """Return the central difference of forces and energy, (2 n_nodes + 1,)."""
+    up, down = (
+        _forces(scene, with_value(scene, parameter, at), state, x, step) for at in (value + h, value - h)
+    )
+    return (up - down) / (2 * h)
+
+
+def _forces(scene: Scene, changed: Scene, state: State, x: Array, step: TimeStep) -> Array:
+    """Return the forces and the energy of the parts that a change reaches, (2 n_nodes + 1,)."""
+    fields = _fields(scene, changed, state)
+    now = state.updated(**fields)
+    total = np.zeros(len(x) + 1)
+    for old, new in zip(scene.terms, changed.terms, strict=True):
+        if new is old and not {*old.reads, *old.optional} & set(fields):
+            continue
+        potential = new.on(scene.body).during(now, step)
+        at = None if potential is None else potential.evaluate(x)
+        if at is not None:
+            total[:-1] += at.gradient()[0]
+            total[-1] += at.energy
+    return total
+
+
+def _fields(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:
+    """Return the fields that the processes of the changed scene make otherwise at the state's time."""
+    reached: list[Process] = []
+    names: set[str] = set()
+    for old, new in zip(scene.processes, changed.processes, strict=True):
+        if new is not old or names & {*new.reads, *new.optional, *new.writes}:
+            reached.append(new)
+            names |= set(new.writes)
+    if not reached:
+        return {}
+    # laws that multiply or rewrite one field are needed from the first one on
+    reached = [p for p in changed.processes if names & set(p.writes)]
+    made = {name for process in reached for name in process.writes}
+    kept = {name: state[name] for name in state.fields if name not in made}
+    evolutions = [(process, process.on(scene.body)) for process in reached]
+    before, now = State(0.0, kept), State(state.time, kept)
+    for _, evolution in evolutions:
+        before = before.updated(**evolution.start(before, scene.seed))
+    for process, evolution in evolutions:
+        own = {name: before[name] for name in process.writes if name in before and name not in now}
+        now = now.updated(**{**own, **evolution.advance(before, now, state.time)})
+    return {name: now[name] for name in made}
+
+
+def check_path(problem: Problem, start: State) -> None:
+    """Raise ValueError for parts whose fields depend on the steps taken, by name."""
+    from ..stability.path_dependence import refuse_memory, refuse_motion
+
+    refuse_motion(problem.scene)
+    refuse_memory(problem, start)
