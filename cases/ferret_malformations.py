@@ -12,10 +12,13 @@ quarters of the rate and 1.5 T. Cdk5: three quarters of the rate at normal thick
 their spacing. ARHGAP11B: 15 % more tangential and also radial growth, at the rate 0.6.
 
 Over the seeds 0, 1 and 2 normal has 8 sulci, PMG 32 to 35, thick 3 or 4, Cdk5 7 or 8 of 0.7 times the depth,
-ASPM none, SCN3A 5 to 7 in its window instead of 2 or 3. The sulci of TMEM161B are shallow for their cortex
-(1.0 to 1.3 of its thickness; normal: 1.8 to 1.9) and for their gyri, not in length (1.5 to 1.9 normal T):
-folds 1.5 times as far apart take up the excess surface, (e^{0.63} - 1)/(e^{0.84} - 1) = 2/3 of the normal, at
-the same depth.
+ASPM none, SCN3A 5 to 7 in its window instead of 2 or 3.
+
+TMEM161B, published with shallower sulci and smaller gyri: reproduced is that it folds less (4 or 5 sulci for
+8, gyrification index 1.25 to 1.33 for 1.57 to 1.62). Not reproduced are depth and size, in length: its sulci
+are as deep (1.80 to 1.88 normal T for 1.80 to 1.88) and its gyri wider (5.9 to 7.0 normal T for 3.5 to 3.9).
+In the plane folds of a cortex 1.5 times as thick are that much farther apart, and half as many take up the
+excess length, (e^{0.63} - 1)/(e^{0.84} - 1) = 2/3 of the normal, at the same depth.
 """
 
 from turingfold import (

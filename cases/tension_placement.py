@@ -4,7 +4,8 @@
 
 Tension on the pial surface towards the peaks (the arrows of the source's Figure 1), on the pial surface away
 from them, and along the gray-white interface; each with a pattern near the intrinsic spacing of folds (24
-half waves) and one of half that wave number. Registration: +1 gyri, -1 sulci on the peaks of the activator.
+half waves) and one of half that wave number. Registration: +1 gyri, -1 sulci on the peaks of the activator;
+p: share of the pattern's phases that would register as well or better, near 1 for sulci on the peaks.
 """
 
 from turingfold import (
@@ -56,9 +57,10 @@ def draw(results, figure):
     figure.set_size_inches(12, 9)
     for axes, name, result in figures.section_grid(figure, 3, 2, results):
         early = next(k for k, state in enumerate(result.states) if state.time >= EARLY)
-        before, after = (registration(result.pattern(), result.pial(k), result.pial(0)) for k in (early, -1))
-        folds = figures.sulci(result.summary()["folds"])
-        words = f"registration {before:+.2f} before folding, {after:+.2f} after; {folds}"
+        before = registration(result.pattern(), result.pial(early), result.pial(0))
+        s = result.summary()
+        after = f"{s['registration']:+.2f} after (p = {s['registration_p']:.2f})"
+        words = f"registration {before:+.2f} before folding, {after}; {figures.sulci(s['folds'])}"
         axes.set_title(f"{name}\n{words}", fontsize=10)
 
 

@@ -135,7 +135,7 @@ def test_sulci_shorter_than_the_smoothing_are_not_counted():
 
 @pytest.mark.parametrize("diagonal", [False, True])
 @pytest.mark.parametrize("height", [1.0, 0.6])
-@pytest.mark.parametrize("size", [1 / 10.3, 1 / 24, 1 / 40, 1 / 64.7])
+@pytest.mark.parametrize("size", [1 / 10.3, 1 / 24, 1 / 40, 1 / 50.3])
 def test_stairs_of_voxels_are_no_folds(size, height, diagonal):
     """A disc or an ellipse of voxels has none; waves deeper than two voxels are all found."""
     smooth = voxels(lambda x, y: np.hypot(x, y / height) < 1, size, 1.2, diagonal)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Array
-from .closing import CLOSING
+from .closing import closing_radius
 from .folds import find_folds, fold_count, wavelength_spectrum
 from .fourier import ORDERS, reconstruction_error
 from .landmarks import Landmarks
@@ -149,7 +149,7 @@ def _measures(curve: Polyline, unit: str, thickness: float | None) -> dict[tuple
     points, closed = curve.points, curve.closed
     folds = find_folds(points, thickness=thickness, closed=closed)
     T = float("nan") if thickness is None else thickness
-    radius = CLOSING[1] * curve.radius if thickness is None else min(CLOSING[0] * thickness, curve.radius)
+    radius = closing_radius(points, thickness, closed=closed)
     waves, parts = wavelength_spectrum(points, closed=closed)
     curvature: Array = np.abs(signed_curvature(points, closed=closed))
     table = {

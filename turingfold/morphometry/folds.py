@@ -48,7 +48,6 @@ class Folds:
     of surface-based morphometry.  widths: distance across a gyrus half way down its two walls, m, one per
     gyrus with two walls.  heights: fold height (n,) at all points, m.
     prominence, smoothing: the least depth and the length of averaging, m, that these folds passed.
-    radius: of the disc (pial surface: half disc) with the same convex hull's length, m.
     """
 
     sulci: Integers
@@ -59,7 +58,6 @@ class Folds:
     heights: Array
     prominence: float
     smoothing: float
-    radius: float
 
     @property
     def count(self) -> int:
@@ -109,7 +107,7 @@ def find_folds(
     """
     curve = as_polyline(points, closed)
     by_radius = thickness is None
-    scale = curve.radius if thickness is None else curve.cortex(thickness)
+    scale = curve.radius if thickness is None else curve.checked_thickness(thickness)
     if prominence is None:
         voxel = min(curve.voxel, COARSEST * curve.radius)
         prominence = max(PROMINENCE[by_radius] * scale, voxel)
@@ -140,7 +138,6 @@ def find_folds(
         heights=heights,
         prominence=least,
         smoothing=smoothing,
-        radius=curve.radius,
     )
 
 

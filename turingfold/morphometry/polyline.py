@@ -102,15 +102,15 @@ class Polyline:
         return np.where(spike, here, total) / np.where(spike, 1.0, norm)
 
     @cached_property
-    def corners(self) -> Integers:
+    def hull(self) -> Integers:
         """Indices of the points on the convex hull, in the order of the curve, and of the ends if open."""
-        corners = np.sort(ConvexHull((self.points - self.points[:, :1]).T).vertices).astype(np.int64)
-        return corners if self.closed else np.union1d(corners, [0, self.size - 1])
+        hull = np.sort(ConvexHull((self.points - self.points[:, :1]).T).vertices).astype(np.int64)
+        return hull if self.closed else np.union1d(hull, [0, self.size - 1])
 
     @cached_property
     def outer(self) -> Polyline:
-        """The taut outer path through the corners: a straight cut across the base is never part of it."""
-        return Polyline(self.points[:, self.corners], self.closed)
+        """The taut outer path, through the hull: a straight cut across the base is never part of it."""
+        return Polyline(self.points[:, self.hull], self.closed)
 
     @cached_property
     def depth(self) -> Array:
@@ -118,8 +118,8 @@ class Polyline:
 
         Not to the nearest side: a deep fold may come closer to the side of the body than to its own mouth.
         """
-        side = np.searchsorted(self.corners, np.arange(self.size), side="right") - 1
-        start, span = self.points[:, self.corners], self.outer.segments
+        side = np.searchsorted(self.hull, np.arange(self.size), side="right") - 1
+        start, span = self.points[:, self.hull], self.outer.segments
         side = side % span.shape[1] if self.closed else np.minimum(side, span.shape[1] - 1)
         offset = self.points - start[:, side]
         along = np.clip(np.sum(offset * span[:, side], axis=0) / self.outer.lengths[side] ** 2, 0.0, 1.0)
@@ -145,7 +145,7 @@ class Polyline:
         turned = np.unique(np.round(direction, 6) + 0.0, axis=1).shape[1]
         return np.sqrt(2) * self.spacing if turned <= 8 else 0.0
 
-    def cortex(self, thickness: Any) -> float:
+    def checked_thickness(self, thickness: Any) -> float:
         """Return a cortical thickness, m, as a float; ValueError if it is not in the unit of the points."""
         low, high = THINNEST * self.radius, THICKEST * self.radius
         unit = f"the body has a radius of {self.radius:.4g}: give both in one unit, such as m"

@@ -48,7 +48,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     registration, registration_p: with the pattern, and the share of the pattern's phases that register as
     well or better; None without a pattern.
     """
-    from ..morphometry.closing import CLOSING
+    from ..morphometry.closing import closing_radius
     from ..morphometry.folds import find_folds
     from ..morphometry.polyline import InnerWall
     from ..morphometry.registration import registration_null
@@ -58,7 +58,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     rest, pial = (along_pial(body, (body.nodes + u)[:, body.pial]) for u in (0.0, state["displacement"]))
     pattern, closed = pial_pattern(body, state), pial_closed(body)
     folds = find_folds(pial, thickness=body.thickness, closed=closed)
-    radius = min(CLOSING[0] * body.thickness, folds.radius)
+    radius = closing_radius(pial, body.thickness, closed=closed)
     found = None if pattern is None else registration_null(pattern, pial, rest, closed=closed)
     inner = isinstance(pial, InnerWall)  # which has no closing
     symmetric = mirror_error(rest) <= 1e-9 * body.length
