@@ -4,6 +4,7 @@ import pytest
 from morphometry_shapes import angles, ellipse, flower, polygon
 from scipy.special import ellipe
 
+from turingfold.morphometry.compare import compare
 from turingfold.morphometry.folds import find_folds, fold_count
 from turingfold.morphometry.fourier import fourier_descriptors
 from turingfold.morphometry.polyline import as_polyline, perimeter, resample, signed_distance
@@ -42,13 +43,15 @@ def test_bad_points_are_refused(measure, case):
 
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: find_folds(CIRCLE, prominence=-1.0), "prominence=-1 must be positive"),
-    (lambda: find_folds(CIRCLE, thickness=2.5), "thickness=2.5 must be between 0.00099.* and 0.99.*one unit"),
+    (lambda: find_folds(CIRCLE, thickness=2.5), "thickness=2.5 must be between 0.00099.* and 1.99.*one unit"),
     (lambda: find_folds(CIRCLE, thickness=1e-4), "thickness=0.0001 must be between .*radius of 0.99"),
     (lambda: find_folds(CIRCLE, smoothing=-0.1), "smoothing=-0.1 must be between 0 and 0.99"),
     (lambda: gyrification_index(CIRCLE, smoothing=np.nan), "smoothing=nan must be a finite number"),
     (lambda: find_folds(CIRCLE, reference=ARC), "reference: the gap"),
-    (lambda: shape_index(CIRCLE, 0.0), "thickness=0 must be positive"),
+    (lambda: shape_index(CIRCLE, 0.0), "thickness=0 must be between 0.00099"),
     (lambda: cortical_thickness(CIRCLE, CIRCLE[:, :5]), "interface has 5 points"),
+    (lambda: similarity(1e3 * CIRCLE, CIRCLE, thickness=0.1), "thickness=0.1 must be between 0.99.*of 999"),
+    (lambda: compare(1e3 * CIRCLE, CIRCLE, thickness=0.1), "give both in one unit"),
     (lambda: wall_contact_length(CIRCLE, np.inf), "gap=inf must be a finite number"),
     (lambda: fourier_descriptors(CIRCLE, 51), "order=51 must be at most half the points, 50"),
     (lambda: fourier_descriptors(CIRCLE, 2.5), "order=2.5 must be a whole number"),

@@ -22,7 +22,7 @@ FEWEST_POINTS = 8
 FINE = 2000  # pieces at least that a curve is cut into where distances to it are wanted
 WIDEST_GAP = 5.0  # closing segment of an outline over its longest other segment
 COINCIDENT = 1e-12  # distance over extent below which two points are one
-THINNEST, THICKEST = 1e-3, 1.0  # cortical thickness over the radius of the body: beyond, the units differ
+THINNEST, THICKEST = 1e-3, 2.0  # cortical thickness over the radius of the body: beyond, the units differ
 
 
 class InnerWall(np.ndarray):

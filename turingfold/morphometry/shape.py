@@ -8,7 +8,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from ..arrays import Array
-from ..checks import between, positive
+from ..checks import between
 from .closing import morphological_closing
 from .folds import Options, find_folds
 from .polyline import Polyline, as_polyline, signed_distance
@@ -106,8 +106,9 @@ def shape_index(points: Any, thickness: float, *, closed: bool | None = None) ->
 
     The analogue in the plane of (2/pi) atan(H / sqrt(H^2 - K)) (Choi et al. 2025); thickness T in m.
     """
-    curvature = signed_curvature(points, closed=closed)
-    return np.asarray(2 / np.pi * np.arctan(curvature * positive("thickness", thickness)))
+    curve = as_polyline(points, closed)
+    curvature = signed_curvature(curve.points, closed=curve.closed)
+    return np.asarray(2 / np.pi * np.arctan(curvature * curve.checked_thickness(thickness)))
 
 
 @dataclass(frozen=True, kw_only=True)

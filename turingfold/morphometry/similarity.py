@@ -210,7 +210,7 @@ def _counter_clockwise(curve: Polyline) -> Polyline:
 
 
 def _index(curve: Polyline, s: Array, thickness: float | None) -> Array:
-    T = THICKNESS * curve.radius if thickness is None else positive("thickness", thickness)
+    T = THICKNESS * curve.radius if thickness is None else curve.checked_thickness(thickness)
     return np.asarray(2 / np.pi * np.arctan(mean_curvature(_counter_clockwise(curve), s, T / 2) * T))
 
 
