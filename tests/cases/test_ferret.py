@@ -39,7 +39,8 @@ THICK, CRITICAL, WAVES = (0.025, 0.1, 0.2), (1.6668, 1.7195, 1.7846), (61, 15, 7
 
 
 def brain(thickness, layers):
-    return semicircle(radius=1.0, thickness=thickness, size=thickness / layers, base="roller")
+    size = thickness / layers
+    return semicircle(radius=1.0, thickness=thickness, size=size, base="roller", layers="sigmoid")
 
 
 def run(case, **changes):
