@@ -9,7 +9,7 @@ from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms
 from turingfold.morphometry.compare import compare, draw_comparison
 from turingfold.morphometry.fourier import fourier_descriptors, reconstruction_error
 from turingfold.morphometry.landmarks import read_landmarks
-from turingfold.morphometry.polyline import as_polyline
+from turingfold.morphometry.polyline import InnerWall, as_polyline
 from turingfold.morphometry.shape import signed_curvature
 from turingfold.morphometry.similarity import aligned, arc_length_map, similarity, similarity_null
 
@@ -251,6 +251,12 @@ def test_comparison_of_pial_surfaces_and_of_coarse_outlines():
     assert depths[0].a == pytest.approx(0.1 * depths[1].a)
     assert "Fourier error at order 5" in names
     assert "Fourier error at order 15" not in names
+
+
+def test_walls_with_the_body_outside_are_compared_without_a_closing():
+    both = compare(flower(6, 0.2).view(InnerWall), flower(8, 0.2).view(InnerWall))
+    assert np.isnan(both["gyrification index, closing"].a)
+    assert (both["folds"].a, both["folds"].b) == (6, 8)
 
 
 @pytest.mark.parametrize("arc", [2 * np.pi, np.pi])

@@ -190,7 +190,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     deep = f", {s['sulcal_depth'] / unit:.2f} {word} deep on average{thickness}" if s["folds"] else ""
     hull, closed = s["gyrification_index"], s["closed_gyrification_index"]
     index = f"gyrification index {hull:.2f}"
-    if abs(hull - closed) > BENT:
+    if closed is not None and abs(hull - closed) > BENT:
         disc = f"the closing by a disc of radius {s['closing_radius'] / unit:.2g} {word}"
         index += f" against the convex hull, {closed:.2f} against {disc}"
     yield f"folds: {sulci(s['folds'])}{deep}; {index}"

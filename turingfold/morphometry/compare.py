@@ -149,14 +149,17 @@ def _measures(curve: Polyline, unit: str, thickness: float | None) -> dict[tuple
     points, closed = curve.points, curve.closed
     folds = find_folds(points, thickness=thickness, closed=closed)
     T = float("nan") if thickness is None else thickness
-    radius = closing_radius(points, thickness, closed=closed)
+    radius, closing = float("nan"), float("nan")
+    if not curve.inner:  # which has no closing
+        radius = closing_radius(points, thickness, closed=closed)
+        closing = gyrification_index(points, closing=radius, closed=closed)
     waves, parts = wavelength_spectrum(points, closed=closed)
     curvature: Array = np.abs(signed_curvature(points, closed=closed))
     table = {
         ("length", unit): curve.length,
         ("length of the outer path", unit): curve.outer.length,
         ("gyrification index", ""): curve.length / curve.outer.length,
-        ("gyrification index, closing", ""): gyrification_index(points, closing=radius, closed=closed),
+        ("gyrification index, closing", ""): closing,
         ("radius of the closing", unit): radius,
         ("folds", ""): float(folds.count),
         ("least depth of a fold", unit): folds.prominence,

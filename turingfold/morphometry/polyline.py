@@ -147,7 +147,7 @@ class Polyline:
 
     def checked_thickness(self, thickness: Any) -> float:
         """Return a cortical thickness, m, as a float; ValueError if it is not in the unit of the points."""
-        low, high = THINNEST * self.radius, THICKEST * self.radius
+        low, high = THINNEST * self.radius, np.inf if self.inner else THICKEST * self.radius
         unit = f"the body has a radius of {self.radius:.4g}: give both in one unit, such as m"
         return between("thickness", thickness, low, high, unit)
 
