@@ -227,6 +227,10 @@ class Term(Part):
 class Load(Term):
     """Base of terms of which different ones may act in one scene: tensions along two lines add up."""
 
+    def doubt(self, body: Body, shear_modulus: float) -> str:
+        """Return why its size looks like a mistake on a body of this stiffness (Pa), or ""."""
+        return ""
+
 
 class Solid(Term):
     """Base of terms with moduli; the largest shear modulus is the scene's unit of stress."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -25,6 +26,7 @@ class Scene:
     Raises MissingFieldError if a part reads a field that no part makes in time; ValueError for a field that
     nobody reads, for a process that would overwrite what an earlier one wrote, for two terms of a kind that
     are no different loads, for a scheme that the terms do not suit, and for the rest.
+    Warns of loads far beyond the stiffness.
     """
 
     body: Body
@@ -55,6 +57,9 @@ class Scene:
             _check_reads(term, written)
         for process in self.processes:
             _check_read(process, self.processes, self.terms)
+        for load in (term for term in self.terms if isinstance(term, Load)):
+            if words := load.doubt(self.body, stress_scale(self.terms)):
+                warnings.warn(words, stacklevel=3)
 
     @property
     def wanted(self) -> frozenset[str]:

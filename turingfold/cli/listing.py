@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 from ..models.declared import as_text
 from ..results.files import write_whole
+from ..results.simulate import CoarseMeshWarning
 from .case import Case, case_files, find_case, load_case, shipped
 from .status import BAD_INPUT, complain, say
 
@@ -45,7 +47,9 @@ def _named(text: str) -> list[Path]:
 
 def _say_scenes(case: Case) -> None:
     try:
-        names = list(case.scenes({}, quick=True))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", CoarseMeshWarning)  # of a case that runs some of its scenes
+            names = list(case.scenes({}, quick=True))
     except FileNotFoundError as error:
         say(f"    (needs a file that is not here: {error.strerror or error})")
         return

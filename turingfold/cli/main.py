@@ -92,11 +92,13 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _case_arguments() -> argparse.ArgumentParser:
-    """Return the arguments that say which scenes of which case are meant."""
+def _case_arguments(*, chosen: bool = True) -> argparse.ArgumentParser:
+    """Return the arguments that say which case is meant, and which of its scenes with which parameters."""
     found = argparse.ArgumentParser(add_help=False)
     found.add_argument("case", metavar="CASE", help="a name of turingfold list, or a file with scenes()")
     found.add_argument("--quick", action="store_true", help="the small version, kept apart")
+    if not chosen:
+        return found
     found.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
     found.add_argument(
         "--set", action="append", type=_assignment, metavar="NAME=VALUE", dest="assigned",
@@ -147,9 +149,8 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     app = commands.add_parser("app", parents=[chosen, common], help="change a case's parameters in a window")
     app.set_defaults(command=_app)
 
-    draw = commands.add_parser(
-        "draw", parents=[chosen, stored, common], help="draw a figure from stored results"
-    )
+    whole = _case_arguments(chosen=False)
+    draw = commands.add_parser("draw", parents=[whole, stored, common], help="draw stored results")
     draw.set_defaults(command=_draw)
 
     names = commands.add_parser("list", parents=[common], help="name cases, their scenes and parameters")
@@ -206,7 +207,7 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
 
 def _request(options: argparse.Namespace, *command: str) -> Request:
     out = getattr(options, "out", None)
-    only, assigned = tuple(options.only or ()), tuple(options.assigned or ())
+    only, assigned = (tuple(getattr(options, name, None) or ()) for name in ("only", "assigned"))
     return Request(options.case, options.quick, out, only, assigned, command)
 
 

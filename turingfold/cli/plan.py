@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..models.declared import as_text, find
+from ..results.files import read_json
 from ..scene import Scene
 from ..studies.sweep import is_part, read_values, varied
 from .case import Case, check_apart, folder_name
@@ -88,8 +89,19 @@ def base_folder(case: Case, request: Request) -> Path:
 
 
 def has_result(base: Path, name: str) -> bool:
-    """Return whether a folder holds something of a scene's result."""
-    return (base / folder_name(name) / "states").is_dir()
+    """Return whether a folder holds a state of a scene."""
+    return any((base / folder_name(name) / "states").glob("*.npz"))
+
+
+def stored_names(case: Case, base: Path) -> tuple[list[str], bool]:
+    """Return the scenes that results of a case in a folder are of, and whether their parameters were changed.
+
+    No names where none says so: then they are those of the case.
+    """
+    found = [read_json(file).get("case", {}) for file in sorted(base.glob("*/scene.json"))]
+    known = [one for one in found if one.get("name") == case.name]
+    changed = any(one.get("changed") or one.get("parts") for one in known)
+    return (list(known[0].get("scenes", ())) if known else []), changed
 
 
 def changed_words(provenance: Mapping[str, Any]) -> str:

@@ -21,7 +21,15 @@ from ..scene import Scene
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure
-from .plan import Planned, base_folder, changed_words, has_result, planned, without_result
+from .plan import (
+    Planned,
+    base_folder,
+    changed_words,
+    has_result,
+    planned,
+    stored_names,
+    without_result,
+)
 from .request import Interrupted, Request, Running
 from .status import BAD_INPUT, STOPPED, complain, say
 from .workers import Job, Outcome, Report, run_jobs
@@ -55,7 +63,7 @@ def run(request: Request, running: Running) -> int:
         results[name] = read_result(base / folder_name(name), known=case.known)
     results = {name: results[name] for name in every}
     compute(case, results, base, keep=running.resume)
-    say(f"figure: {drawn(case, results, request)}")
+    say(f"figure: {drawn(case, results, request, apart=bool(request.assigned))}")
     return status
 
 
@@ -113,21 +121,26 @@ def write_table(path: Path, columns: Iterable[str], rows: Iterable[Iterable[Any]
 def draw(request: Request) -> Path:
     """Draw a case's figure from its stored results and return where it is; raises ValueError without them."""
     case = find_case(request.case)
-    base, names = base_folder(case, request), [one.name for one in planned(case, request)]
+    base = base_folder(case, request)
+    names, changed = stored_names(case, base)
+    names = names or [one.name for one in planned(case, request)]
     if missing := without_result(base, names):
         some = len(missing) < len(names)
         which = f"no results of {', '.join(missing)}" if some else "no results"
         command = request.with_only(missing if some else ()).words()
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: read_result(base / folder_name(name), known=case.known) for name in names}
-    return drawn(case, results, request)
+    return drawn(case, results, request, apart=changed)
 
 
-def drawn(case: Case, results: dict[str, Result], request: Request) -> Path:
-    """Draw a case's figure from results and return where it is; raises ValueError for a case without draw."""
+def drawn(case: Case, results: dict[str, Result], request: Request, *, apart: bool) -> Path:
+    """Draw a case's figure from results and return where it is; raises ValueError for a case without draw.
+
+    apart: with the results, as they are not those of the case as it is.
+    """
     if case.draw is None:
         raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
-    apart = bool(request.quick or request.out is not None or request.assigned)
+    apart = bool(apart or request.quick or request.out is not None)
     base = base_folder(case, request)
     more = () if case.computed is None else (read_computed(case, base),)
     path = figure_path(case.path, base, apart=apart)

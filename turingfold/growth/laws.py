@@ -18,6 +18,7 @@ from .histories import History, Linear
 from .zones import Zone, checked_zones, gain, local_thickness
 
 OUT_OF_PLANE = ("fixed", "tangential")
+FACTOR = "it is a factor: 1 is no growth, 1.9 growth by 90 %"
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
@@ -99,7 +100,7 @@ class TangentialGrowth(GrowthLaw):
     it is what a pattern without tension can act through. Then "pattern" is read.
     zones: regions where g_t - 1 and g_n - 1, or the cortical thickness, are multiplied by factors.
     thinning: share of its thickness that the cortex loses per unit of time, T(t) = T (1 - thinning·t).
-    Raises ValueError for factors that are not positive.
+    Raises ValueError for factors outside 0.3 to 5, beyond which no tissue of this model goes.
     """
 
     cortex: float = 1.9
@@ -115,7 +116,8 @@ class TangentialGrowth(GrowthLaw):
 
     def __post_init__(self) -> None:
         for name in ("cortex", "core", "radial_cortex", "radial_core", "swelling_core"):
-            positive(name, getattr(self, name), remedy="1 is no growth, 1.9 growth by 90 %")
+            positive(name, getattr(self, name), remedy=FACTOR)
+            between(name, getattr(self, name), 0.3, 5.0, f"per cent or a fraction? {FACTOR}")
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
         instance("history", self.history, History, "Linear() or Exponential()")
         if abs(finite("modulation", self.modulation)) > 1:

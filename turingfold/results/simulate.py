@@ -89,7 +89,7 @@ def coarseness(elements: float) -> str:
         return ""
     return (
         f"only {elements:.2g} element(s) through the cortex; folds form too late with fewer than {ENOUGH}, "
-        "so make size= smaller for numbers to quote"
+        "so make size= smaller (elements= larger) for numbers to quote"
     )
 
 

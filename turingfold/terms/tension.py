@@ -15,6 +15,7 @@ from ..state import State
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
+FAR = 20.0  # times the stiffness: more is a mistake of units
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 # derivative of the quadratic shape functions (start, middle, end) and their values at the Gauss points
 SLOPES = np.stack([GAUSS - 0.5, -2 * GAUSS, GAUSS + 0.5])
@@ -63,6 +64,19 @@ class AxonalTension(Load):
     def reads(self) -> tuple[str, ...]:
         """The pattern, unless patches replace it."""
         return () if self.patches else ("pattern",)
+
+    def doubt(self, body: Body, shear_modulus: float) -> str:
+        """Return words for a strength far beyond μT (N/m) on the interface, or μ (Pa) on the pial surface."""
+        per_line = self.surface == "interface"
+        scale = shear_modulus * (body.thickness if per_line else 1.0)
+        if abs(self.strength) <= FAR * scale:
+            return ""
+        unit, of = ("N/m", "modulus times thickness of the cortex") if per_line else ("Pa", "modulus")
+        return (
+            f"strength={self.strength:g} {unit} of AxonalTension is {abs(self.strength) / scale:.3g} times "
+            f"the shear {of} ({scale:.3g} {unit}): no tissue withstands that. A line tension (surface="
+            '"interface") is in N/m, a traction (surface="pial") in Pa.'
+        )
 
     def on(self, body: Body) -> TensionOperator:
         """Return the term discretised on `body`."""
