@@ -1,4 +1,4 @@
-"""Gathering of entries against scipy's assembly, and the two direct solvers against dense algebra."""
+"""Assembly of entries against scipy's assembly, and the two direct solvers against dense algebra."""
 import subprocess
 import sys
 
@@ -52,13 +52,13 @@ def stencil(n, seed=0):
 
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(n=st.integers(3, 30), count=st.integers(1, 200), fixed=st.integers(0, 2), seed=st.integers(0, 999))
-def test_gathered_entries_are_the_assembled_matrix(n, count, fixed, seed):
+def test_assembled_entries_are_the_assembled_matrix(n, count, fixed, seed):
     held = np.random.default_rng(seed).choice(n, fixed, replace=False)
     hessians = [entries(n, count, seed, constant=True), entries(n, 2 * count, seed + 1)]
-    gatherer = Assembler(n, held)
-    pattern, values = gatherer.assemble(hessians)
+    assembler = Assembler(n, held)
+    pattern, values = assembler.assemble(hessians)
     free = np.setdiff1d(np.arange(n), held)
-    assert np.array_equal(gatherer.free, free)
+    assert np.array_equal(assembler.free, free)
     expected = sum(dense(h, n) for h in hessians)[np.ix_(free, free)]
     np.testing.assert_allclose(full(pattern, values), expected, atol=1e-13)
     assert (np.diff(pattern.keys) > 0).all()
@@ -69,28 +69,28 @@ def test_gathered_entries_are_the_assembled_matrix(n, count, fixed, seed):
 def test_a_pattern_is_kept_until_it_lacks_a_place():
     n = 12
     lasting = entries(n, 60, 0, constant=True)
-    soon = np.array([11, 10]), np.array([1, 0])
-    near = Hessian(np.array([11]), np.array([0]), np.array([1.0]), False, lambda: soon)
-    gatherer = Assembler(n, np.array([3]))
-    first, _ = gatherer.assemble([lasting, near])
+    soon = Entries(np.array([11, 10]), np.array([1, 0]))
+    near = Hessian(Entries(np.array([11]), np.array([0])), np.array([1.0]), False, lambda: soon)
+    assembler = Assembler(n, np.array([3]))
+    first, _ = assembler.assemble([lasting, near])
     # same places with other values; nothing to add at all; the places made room for
     for passing in (
-        Hessian(near.rows, near.columns, np.array([7.0]), False),
-        Hessian(near.rows[:0], near.columns[:0], np.zeros(0), False),
-        Hessian(np.array([11, 10]), np.array([1, 0]), np.ones(2), False),
-        Hessian(np.array([3, 5]), np.array([0, 3]), np.ones(2), False),  # fixed unknowns need none
+        Hessian(near.entries, np.array([7.0]), False),
+        Hessian(Entries(near.entries.rows[:0], near.entries.columns[:0]), np.zeros(0), False),
+        Hessian(soon, np.ones(2), False),
+        Hessian(Entries(np.array([3, 5]), np.array([0, 3])), np.ones(2), False),  # fixed unknowns need none
     ):
-        again = Hessian(lasting.rows, lasting.columns, 2 * lasting.values, True)
-        pattern, values = gatherer.assemble([again, passing])
+        again = Hessian(lasting.entries, 2 * lasting.values)
+        pattern, values = assembler.assemble([again, passing])
         assert pattern is first
-        free = gatherer.free
+        free = assembler.free
         expected = (dense(again, n) + dense(passing, n))[np.ix_(free, free)]
         np.testing.assert_allclose(full(pattern, values), expected, atol=1e-13)
     taken = set(zip(*(dense(lasting, n) != 0).nonzero(), strict=True))
     new = next((i, j) for i in range(n) for j in range(i) if (i, j) not in taken and 3 not in (i, j)
                and (i, j) not in {(11, 0), (11, 1), (10, 0)})
-    lacking = Hessian(np.array([new[0]]), np.array([new[1]]), np.array([2.0]), False)
-    pattern, values = gatherer.assemble([lasting, lacking])
+    lacking = Hessian(Entries(np.array([new[0]]), np.array([new[1]])), np.array([2.0]), False)
+    pattern, values = assembler.assemble([lasting, lacking])
     assert pattern is not first
     expected = (dense(lasting, n) + dense(lacking, n))[np.ix_(free, free)]
     np.testing.assert_allclose(full(pattern, values), expected, atol=1e-13)
@@ -99,21 +99,21 @@ def test_a_pattern_is_kept_until_it_lacks_a_place():
 def test_a_lasting_hessian_that_comes_later_gets_its_places():
     n = 10
     first, second = entries(n, 30, 0, constant=True), entries(n, 30, 1, constant=True)
-    gatherer = Assembler(n, np.zeros(0, dtype=np.int64))
-    gatherer.assemble([first])
-    pattern, values = gatherer.assemble([first, second])
+    assembler = Assembler(n, np.zeros(0, dtype=np.int64))
+    assembler.assemble([first])
+    pattern, values = assembler.assemble([first, second])
     np.testing.assert_allclose(full(pattern, values), dense(first, n) + dense(second, n), atol=1e-13)
     # and one that stays away leaves its places empty
-    pattern, values = gatherer.assemble([second])
+    pattern, values = assembler.assemble([second])
     np.testing.assert_allclose(full(pattern, values), dense(second, n), atol=1e-13)
 
 
 def test_restored_places_give_the_same_pattern():
     n = 10
     lasting, passing = entries(n, 20, 0, constant=True), entries(n, 5, 1)
-    gatherer = Assembler(n, np.array([0]))
-    pattern, _ = gatherer.assemble([lasting, passing])
-    other = Assembler(n, np.array([0]), gatherer.places)
+    assembler = Assembler(n, np.array([0]))
+    pattern, _ = assembler.assemble([lasting, passing])
+    other = Assembler(n, np.array([0]), assembler.changing)
     restored, values = other.assemble([entries(n, 20, 0, constant=True)])
     assert np.array_equal(restored.keys, pattern.keys)
     np.testing.assert_allclose(full(restored, values), dense(lasting, n)[1:, 1:], atol=1e-13)

@@ -5,9 +5,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle, simulate
+from turingfold.parts import TimeStep
 from turingfold.solve.inertia import negative_pivots
-from turingfold.solve.march import acting, begin, discretised, march
+from turingfold.solve.march import begin, march
 from turingfold.solve.prediction import REMEMBERED, Past, extrapolated
+from turingfold.solve.problem import Problem, configuration
 from turingfold.solve.sparsity import Assembler
 from turingfold.terms.dynamics import Drag
 
@@ -59,12 +61,11 @@ def test_the_number_of_negative_pivots_is_that_of_the_accepted_state(others):
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), *others)
     grow, steps = TangentialGrowth(cortex=1.9), Stepping(first=1 / 40, largest=1 / 40)
     scene = Scene(body=body, terms=terms, processes=(grow,), stepping=steps)
-    operators, held = discretised(scene)
-    gatherer = Assembler(2 * body.nodes.shape[1], held)
-    single = 0
+    problem, single = Problem(scene), 0
+    assembler = Assembler(problem.n_dofs, problem.held)
     for step, progress in march(scene, begin(scene)):
-        at = [p.evaluate(step.x) for p in acting(operators, step.state, step.numbers["step"])]
-        count = negative_pivots(*gatherer.assemble([e.hessian(0.0) for e in at]))
+        again = configuration(problem.potentials(step.state, TimeStep(step.numbers["step"])), step.x)
+        count = negative_pivots(*assembler.assemble(again.hessians(0.0)))
         assert step.numbers["negative_pivots"] == count
         single += step.numbers["factorizations"] == 1 and progress.memory.point is not None
     assert single > 5  # states whose tangent was not factorised again

@@ -22,13 +22,12 @@ from turingfold.solve.newton import NEAR
 SOLID = Elastic(gray=NeoHookean.from_young(1.0, 0.4))
 MIXED = Elastic(gray=NeoHookean.from_young(1.0, 0.4), element="mixed")
 WALLS = SelfContact()
-MIDPOINT = (Inertia(density=0.05, scheme="midpoint"), Drag(coefficient=0.5, scheme="midpoint"))
 SCENES = {
     "contact": (SOLID, WALLS),
     "drag": (SOLID, WALLS, Drag(coefficient=0.5)),
     "damping": (SOLID, StiffnessDamping(elastic=SOLID, time=0.05)),
     "inertia": (SOLID, Inertia(density=0.05)),
-    "midpoint": (SOLID, *MIDPOINT),
+    "midpoint": (SOLID, Inertia(density=0.05), Drag(coefficient=0.5)),
     "mixed": (MIXED, Drag(coefficient=0.5)),
 }
 
@@ -47,7 +46,7 @@ def numbers(step):
 def test_a_restart_repeats_every_bit(name, solver, tmp_path):
     body = semicircle(radius=1.0, thickness=0.25, size=0.2)
     # steps of lengths that time's round-off does not give back
-    steps = Stepping(first=0.03, largest=0.083, solver=solver)
+    steps = Stepping(first=0.03, largest=0.083, solver=solver, scheme="midpoint" if name == "midpoint" else "euler")
     grow = TangentialGrowth(cortex=2.2)
     scene = Scene(body=body, terms=SCENES[name], processes=(grow,), until=1.7, stepping=steps)
     path = list(march(scene, begin(scene)))

@@ -126,6 +126,10 @@ def test_energy_is_the_integral_of_the_law(body):
     deviator = b - I1[..., None, None] / 3 * np.eye(3)
     shear = (mu * J ** (-5 / 3))[..., None, None] * deviator
     sigma = shear + (kappa * (J - 1))[..., None, None] * np.eye(3)
+    given = potential.evaluate(x).finish(frozenset({"cauchy_stress"}))["cauchy_stress"]
+    for component, (i, j) in zip(given, ((0, 0), (1, 1), (0, 1), (2, 2)), strict=True):
+        np.testing.assert_allclose(component, sigma[..., i, j], atol=1e-11 * np.abs(sigma).max())
+    assert potential.evaluate(x).finish(frozenset()) == {}
     pressure = -np.trace(sigma, axis1=-2, axis2=-1) / 3
     np.testing.assert_allclose(observed["pressure"], pressure, atol=1e-9 * GRAY.kappa)
     np.testing.assert_allclose(observed["von_mises"], np.sqrt(1.5 * (shear**2).sum((-1, -2))), rtol=1e-9)
@@ -157,7 +161,8 @@ def test_swelling_in_all_directions_presses_against_the_fixed_depth(body):
     # x = 1.4 X leaves F* = diag(1, 1, 1/1.4): J* = 1/1.4 and pressure κ (1 - J*)
     growth = np.full((3, *body.quadrature.weights.shape), 1.4)
     state = State(0.0, {"displacement": np.zeros_like(body.nodes), "growth": growth})
-    found = Elastic(gray=GRAY).on(body).during(state, STEP).observe((0.4 * body.nodes).T.ravel())
+    found = Elastic(gray=GRAY).on(body).during(state, STEP)
+    found = found.evaluate((0.4 * body.nodes).T.ravel()).observe()
     np.testing.assert_allclose(found["jacobian"], 1 / 1.4, rtol=1e-12)
     np.testing.assert_allclose(found["pressure"], GRAY.kappa * (1 - 1 / 1.4), rtol=1e-11)
 
@@ -210,9 +215,9 @@ def test_fields_of_another_shape_are_refused(body, element, name, shape):
 
 
 def test_sigmoid_layers_blend_the_moduli():
-    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1, layers="sigmoid")
     gray, white = NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=3.0, kappa=7.0)
-    mu, kappa = Elastic(gray=gray, white=white, layers="sigmoid").moduli(body)
+    mu, kappa = Elastic(gray=gray, white=white).moduli(body)
     share = 1 / (1 + np.exp(10 * (body.depth / 0.2 - 1)))
     np.testing.assert_allclose(mu, 3 - 2 * share, rtol=1e-13)
     np.testing.assert_allclose(kappa, 7 - 2 * share, rtol=1e-13)
@@ -223,7 +228,6 @@ def test_an_inverted_element_is_not_admissible():
     potential = Elastic(gray=GRAY).on(body).during(State(0.0), STEP)
     mirrored = (np.array([[-2.0], [0.0]]) * body.nodes).T.ravel()
     assert potential.evaluate(mirrored) is None
-    assert potential.evaluate(mirrored).measure()["min_jacobian"] == pytest.approx(-1.0)
     assert potential.evaluate(np.full(mirrored.shape, np.nan)) is None
 
 
@@ -255,9 +259,6 @@ def test_first_loss_is_the_first_root(c, l, q):
 
 
 def test_bad_input_is_refused():
-    with pytest.raises(ValueError, match="layers") as failure:
-        Elastic(gray=GRAY, layers="blurred")
-    message_names(failure.value, "sigmoid", "sharp")
     with pytest.raises(ValueError, match="gray") as failure:
         Elastic(gray=1389.0)
     message_names(failure.value, "NeoHookean")

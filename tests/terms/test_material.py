@@ -1,12 +1,13 @@
 """The neo-Hookean law: natural state, stress, tangent, parameters, and its linear limit."""
 import numpy as np
 import pytest
-from checks import message_names, taylor_order
+from checks import message_names
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from turingfold.terms.elastic import material
 from turingfold.terms.elastic.material import NeoHookean
+from turingfold.testing import taylor_order
 
 MU, KAPPA = 476.24, 5551.6
 

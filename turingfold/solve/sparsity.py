@@ -42,11 +42,11 @@ class Sparsity:
 
     def places(self, keys: Integers) -> Integers | None:
         """Return the place of each key, one past the last for negative keys; None if one has no place."""
-        places = np.searchsorted(self.keys, keys)
-        outside = keys < 0
-        if not (self.keys[np.minimum(places, len(self.keys) - 1)] == keys)[~outside].all():
+        places, count = np.searchsorted(self.keys, keys), len(self.keys)
+        places[keys < 0] = count
+        inside = places < count
+        if (keys[~inside] >= 0).any() or (self.keys[places[inside]] != keys[inside]).any():
             return None
-        places[outside] = len(self.keys)
         return places
 
     @cached_property
