@@ -105,7 +105,7 @@ def test_the_public_code_law_solves_its_differential_equation(body):
 
 
 def test_laws_of_one_scene_multiply(body):
-    """At t = 1/2, θ = 1 in gray matter: (1.1 + 0.2 θ) exp(0.15 θ) along, 1.05 + 0.1 θ across, exp(0.15 θ) out."""
+    """At t = 1/2, θ = 1 in gray: (1.1 + 0.2 θ) exp(0.15 θ) along, 1.05 + 0.1 θ across, exp(0.15 θ) out."""
     sharp = replace(body, layers="sharp")
     laws = (
         TangentialGrowth(cortex=1.6, core=1.2, radial_cortex=1.3, radial_core=1.1),

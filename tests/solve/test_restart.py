@@ -46,7 +46,8 @@ def numbers(step):
 def test_a_restart_repeats_every_bit(name, solver, tmp_path):
     body = semicircle(radius=1.0, thickness=0.25, size=0.2)
     # steps of lengths that time's round-off does not give back
-    steps = Stepping(first=0.03, largest=0.083, solver=solver, scheme="midpoint" if name == "midpoint" else "euler")
+    scheme = "midpoint" if name == "midpoint" else "euler"
+    steps = Stepping(first=0.03, largest=0.083, solver=solver, scheme=scheme)
     grow = TangentialGrowth(cortex=2.2)
     scene = Scene(body=body, terms=SCENES[name], processes=(grow,), until=1.7, stepping=steps)
     path = list(march(scene, begin(scene)))

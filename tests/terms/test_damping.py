@@ -19,6 +19,7 @@ from turingfold.terms.elastic.term import Elastic
 from turingfold.testing import check_balanced, check_derivatives, check_semidefinite, dense
 
 GRAY = NeoHookean(mu=1.0, kappa=5.0)
+STEP = TimeStep(0.1)
 SOLID = Elastic(gray=GRAY)
 SMALL = 1e-5  # amplitude of a vibration: it is linear to this share
 
@@ -27,7 +28,7 @@ def disc(base="free"):
     return semicircle(radius=1.0, thickness=0.3, size=0.3, base=base)
 
 
-def at_rest(body, *, time=0.2, step=TimeStep(0.1), elastic=SOLID, **fields):
+def at_rest(body, *, time=0.2, step=STEP, elastic=SOLID, **fields):
     """Return the potential of a step from rest."""
     state = State(step.length, {"displacement": np.zeros_like(body.nodes), **fields})
     return StiffnessDamping(elastic=elastic, time=time).on(body).during(state, step)
