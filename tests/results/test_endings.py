@@ -127,8 +127,10 @@ def test_states_are_found_by_their_time():
     result = simulate(elastic_scene(stepping=Stepping(first=0.25, largest=0.25)))
     times = [state.time for state in result.states]
     assert times == [0.0, 0.25, 0.5, 0.75, 1.0]
-    assert [result.at(time=t) for t in (0.0, 0.1, 0.3, 0.76, 1.0)] == [0, 0, 1, 3, 4]
-    assert result.at(time=0.75, exact=True) == 3
+    found = [result.at(time=t) for t in (0.0, 0.1, 0.3, 0.76, 1.0)]
+    assert all(state is result.states[k] for state, k in zip(found, (0, 0, 1, 3, 4), strict=True))
+    assert result.at(time=0.75, exact=True) is result.states[3]
+    np.testing.assert_array_equal(result.pial(found[3]), result.pial(3))
     with pytest.raises(ValueError, match=r"time=0\.76 has no state, the nearest is 0\.75"):
         result.at(time=0.76, exact=True)
     with pytest.raises(ValueError, match=r"time=1\.1 must be from 0 to 1"):

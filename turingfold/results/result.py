@@ -89,7 +89,7 @@ class Result:
         """The last accepted state."""
         return self.states[-1]
 
-    def pial(self, step: int = -1) -> Array:
+    def pial(self, step: int | State = -1) -> Array:
         """Return a state's deformed pial surface, (2, n), the body on its left; a half body's is completed.
 
         That is counter-clockwise round a body. Where the body lies outside, as round a ventricle, it is
@@ -99,8 +99,8 @@ class Result:
         body = self.scene.body
         return along_pial(body, (body.nodes + self._state(step)["displacement"])[:, body.pial])
 
-    def at(self, *, time: float, exact: bool = False) -> int:
-        """Return the step of the state nearest to a time, for `states`, `pial`, `pattern` and `observe`.
+    def at(self, *, time: float, exact: bool = False) -> State:
+        """Return the state nearest to a time; `pial`, `pattern` and `observe` take it in place of a step.
 
         Raises ValueError for a time beyond the first and last state's, and, if it must be `exact`, for one
         without a state.
@@ -114,20 +114,22 @@ class Result:
                 f"time={time:g} has no state, the nearest is {times[step]:g}. Leave out exact=True or keep "
                 "more states (frames=)."
             )
-        return step
+        return self.states[step]
 
-    def _state(self, step: int) -> State:
+    def _state(self, step: int | State) -> State:
+        if isinstance(step, State):
+            return step
         count = len(self.states)
         known = f"the result has {count} states, 0 to {count - 1} or, from the last one, -1 to -{count}"
         if whole("step", step, at_least=-count, remedy=known) >= count:
             raise ValueError(f"step={step} must be at most {count - 1}; {known}.")
         return self.states[step]
 
-    def pattern(self, step: int = -1) -> Array | None:
+    def pattern(self, step: int | State = -1) -> Array | None:
         """Return the pattern û at the points of `pial`, (n,), or None without a pattern; raises as `pial`."""
         return pial_pattern(self.scene.body, self._state(step))
 
-    def observe(self, step: int = -1) -> dict[str, Array]:
+    def observe(self, step: int | State = -1) -> dict[str, Array]:
         """Return von_mises and pressure (Pa), jacobian and what else the terms show, each (q, e).
 
         Raises ValueError for a step that is none of the states'.
