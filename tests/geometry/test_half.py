@@ -19,7 +19,7 @@ from turingfold.terms.dynamics import Inertia
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.terms.tension import AxonalTension
-from turingfold.turing.kinetics.concentrations import Schnakenberg
+from turingfold.turing.kinetics.chemical import Schnakenberg
 from turingfold.turing.process import Turing
 
 T = 2.5e-3

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from turing_problems import R_IN, outer_line, semi_annulus
 
-from turingfold.turing.continuation import follow, neutral_ratio
-from turingfold.turing.kinetics.concentrations import Brusselator, GiererMeinhardt, Schnakenberg
+from turingfold.turing.continuation import neutral_ratio, steady_branch
+from turingfold.turing.kinetics.activator_inhibitor import GiererMeinhardt
+from turingfold.turing.kinetics.chemical import Brusselator, Schnakenberg
 from turingfold.turing.modes import mode_with
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
-from turingfold.turing.stability import at_ratio, dispersion
+from turingfold.turing.stability import dispersion, turing_unstable_at
 from turingfold.turing.steady import settle
 
 
@@ -17,7 +18,7 @@ def one_half_wave(kinetics):
     mesh = semi_annulus(12, 1, np.pi / 12)
     space = discretise(mesh, 2)
     mode = mode_with(space, 1, outer_line(mesh), np.pi / 12 * (1 + R_IN) / 2, 1 - R_IN)
-    found = at_ratio(kinetics).scaled_to(mode.value)
+    found = turing_unstable_at(kinetics).scaled_to(mode.value)
     return ReactionDiffusion(space, kinetics, found.d_u, found.d_v), found, mode
 
 
@@ -26,7 +27,7 @@ def test_the_branch_leaves_at_the_neutral_ratio_with_a_square_root(kinetics):
     system, found, mode = one_half_wave(kinetics)
     start = neutral_ratio(found, mode.value)
     assert dispersion(kinetics, found.d_u, start * found.d_u, mode.value) == pytest.approx(0.0, abs=1e-14)
-    first, second = follow(system, found, mode, amplitude=0.01, step=0.01, points=2)
+    first, second = steady_branch(system, found, mode, amplitude=0.01, step=0.01, points=2)
     constants = [point.amplitude**2 / (point.ratio - start) for point in (first, second)]
     assert constants[0] == pytest.approx(constants[1], rel=0.01)
     # supercritical: the pattern decays back at twice the rate at which the uniform state leaves
@@ -37,7 +38,7 @@ def test_the_branch_leaves_at_the_neutral_ratio_with_a_square_root(kinetics):
 
 def test_the_branch_passes_through_the_pattern_that_a_run_reaches():
     system, found, mode = one_half_wave(Schnakenberg())
-    points = list(follow(system, found, mode, points=7))
+    points = list(steady_branch(system, found, mode, points=7))
     point = points[-1]
     assert point.ratio > 11
     start = np.array(found.steady_state)[:, None] + 0.1 * np.outer(
@@ -51,7 +52,7 @@ def test_the_branch_passes_through_the_pattern_that_a_run_reaches():
 def test_gierer_meinhardt_leaves_backwards_and_becomes_stable_at_the_fold():
     system, found, mode = one_half_wave(GiererMeinhardt())
     start = neutral_ratio(found, mode.value)
-    points = list(follow(system, found, mode, points=8))
+    points = list(steady_branch(system, found, mode, points=8))
     assert points[0].ratio < start
     folds = [k for k, point in enumerate(points) if point.fold]
     assert len(folds) == 1

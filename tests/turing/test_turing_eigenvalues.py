@@ -9,22 +9,15 @@ from turing_problems import R_IN, outer_line, semi_annulus
 
 from turingfold.errors import NotConvergedError
 from turingfold.geometry.shapes import semicircle
-from turingfold.turing.continuation import follow
+from turingfold.turing.continuation import steady_branch
 from turingfold.turing.eigenvalues import eigenvalue_near, rightmost_eigenvalues, unstable_box
-from turingfold.turing.kinetics.concentrations import (
-    Brusselator,
-    GiererMeinhardt,
-    GrayScott,
-    KochMeinhardt,
-    LengyelEpstein,
-    Schnakenberg,
-    Thomas,
-)
-from turingfold.turing.kinetics.deviations import BVAM, BVAM2012, FitzHughNagumo
+from turingfold.turing.kinetics.activator_inhibitor import FitzHughNagumo, GiererMeinhardt, KochMeinhardt
+from turingfold.turing.kinetics.bvam import BVAM, BVAM2012
+from turingfold.turing.kinetics.chemical import Brusselator, GrayScott, LengyelEpstein, Schnakenberg, Thomas
 from turingfold.turing.modes import mode_with
 from turingfold.turing.process import Turing
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
-from turingfold.turing.stability import at_ratio, hopf_boundary, oriented
+from turingfold.turing.stability import conditions_at_ratio, hopf_boundary, turing_unstable_at
 
 # of each kinetics a parameter, and the value of it at which tr J = 0 while det J > 0 at a steady state (u, v)
 HOPF = (
@@ -105,10 +98,10 @@ def test_a_branch_is_unstable_where_a_pair_of_eigenvalues_says_so():
     mesh = semi_annulus(20, 1, np.pi / 6)
     space = discretise(mesh, 2)
     mode = mode_with(space, 2, outer_line(mesh), np.pi / 6 * (1 + R_IN) / 2, 1 - R_IN)
-    found = at_ratio(BVAM2012()).scaled_to(mode.value)
+    found = turing_unstable_at(BVAM2012()).scaled_to(mode.value)
     system = ReactionDiffusion(space, BVAM2012(), found.d_u, found.d_v)
     stable = []
-    for point in follow(system, found, mode, points=11):
+    for point in steady_branch(system, found, mode, points=11):
         exact = dense(replace(system, d_v=point.ratio * system.d_u), point.state)[0][0]
         assert point.leading.real == pytest.approx(exact.real, abs=1e-7)
         assert abs(point.leading.imag) == pytest.approx(abs(exact.imag), abs=1e-7)
@@ -119,7 +112,7 @@ def test_a_branch_is_unstable_where_a_pair_of_eigenvalues_says_so():
 def test_a_steady_pattern_that_would_oscillate_is_no_steady_pattern():
     # three times the critical ratio: a pair at 0.16 ± 2.63 i
     where = semicircle(radius=0.0404, thickness=2.5e-3, size=1.25e-3, base="clamped")
-    pattern = Turing(BVAM2012(), half_waves=8, ratio=3 * oriented(BVAM2012()).critical_ratio)
+    pattern = Turing(BVAM2012(), half_waves=8, ratio=3 * conditions_at_ratio(BVAM2012()).critical_ratio)
     with pytest.raises(NotConvergedError, match=r"oscillat.* period of 2\.39") as caught:
         pattern.pattern(where)
     assert "0.16" in str(caught.value)

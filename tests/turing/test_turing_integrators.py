@@ -12,11 +12,11 @@ from turingfold.errors import InadmissibleStateError, NotConvergedError
 from turingfold.turing.integrators.bdf import march_bdf
 from turingfold.turing.integrators.imex import SBDF2, SCHEMES, fastest_reaction, march_imex
 from turingfold.turing.integrators.rosenbrock import RODAS4, ROS34PW2, ErrorNorm, march, rosenbrock_step
-from turingfold.turing.kinetics.concentrations import Schnakenberg, Thomas
+from turingfold.turing.kinetics.chemical import Schnakenberg, Thomas
 from turingfold.turing.kinetics.user import UserKinetics
 from turingfold.turing.linear.direct import Sparsity
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
-from turingfold.turing.stability import at_ratio
+from turingfold.turing.stability import turing_unstable_at
 
 END = 4.0
 
@@ -202,7 +202,7 @@ def test_loose_tolerances_do_not_step_across_the_pole_of_a_rate(method):
     # Thomas' uptake has a pole at u = -1.06; across it steps of 1e-8 went on for ever
     mesh = semi_annulus(96, 2)
     space = discretise(mesh, 1)
-    found = at_ratio(Thomas()).scaled_to(256.0)
+    found = turing_unstable_at(Thomas()).scaled_to(256.0)
     system = ReactionDiffusion(space, Thomas(), found.d_u, found.d_v)
     angle = np.arctan2(space.nodes[1], space.nodes[0])
     noise = np.random.default_rng(0).standard_normal(48) @ np.cos(np.outer(np.arange(1, 49), angle))

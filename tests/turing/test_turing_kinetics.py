@@ -7,19 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from turingfold.turing.kinetics.activator_inhibitor import FitzHughNagumo, GiererMeinhardt, KochMeinhardt
 from turingfold.turing.kinetics.base import real_roots
-from turingfold.turing.kinetics.concentrations import (
-    Brusselator,
-    GiererMeinhardt,
-    GrayScott,
-    KochMeinhardt,
-    LengyelEpstein,
-    Schnakenberg,
-    Thomas,
-)
-from turingfold.turing.kinetics.deviations import BVAM, BVAM2012, FitzHughNagumo
+from turingfold.turing.kinetics.bvam import BVAM, BVAM2012
+from turingfold.turing.kinetics.chemical import Brusselator, GrayScott, LengyelEpstein, Schnakenberg, Thomas
 from turingfold.turing.kinetics.user import UserKinetics
-from turingfold.turing.stability import at_ratio, conditions, dispersion, hopf_boundary
+from turingfold.turing.stability import conditions, dispersion, hopf_boundary, turing_unstable_at
 
 ORACLE = json.loads((Path(__file__).parents[1] / "data" / "turing_oracle.json").read_text())
 
@@ -168,8 +161,8 @@ def test_dispersion_is_the_largest_eigenvalue(kinetics):
 
 @pytest.mark.parametrize("kinetics", ALL[:-1], ids=name_of)
 def test_the_growing_band_and_its_fastest_mode(kinetics):
-    assert at_ratio(kinetics).unstable  # at the published ratio
-    found = at_ratio(kinetics, 1.3 * at_ratio(kinetics).critical_ratio)
+    assert turing_unstable_at(kinetics).unstable  # at the published ratio
+    found = turing_unstable_at(kinetics, 1.3 * turing_unstable_at(kinetics).critical_ratio)
     assert found.unstable
     low, high = found.band
     around = dispersion(kinetics, found.d_u, found.d_v, [0.99 * low, 1.01 * low, 0.99 * high, 1.01 * high])
@@ -221,23 +214,23 @@ def test_gray_scott_has_one_or_three_steady_states():
     assert len(GrayScott(F=0.035, k=0.065).steady_states()) == 1
     assert len(GrayScott().steady_states()) == 3
     with pytest.raises(ValueError, match="FAIL"):
-        at_ratio(GrayScott(F=0.035, k=0.065), 2.0)
+        turing_unstable_at(GrayScott(F=0.035, k=0.065), 2.0)
 
 
 def test_a_ratio_without_instability_prints_the_four_conditions():
-    with pytest.raises(ValueError, match=r"(?s)ratio=5: no pattern forms.*d_v f_u.*FAIL.*critical 8.5676"):
-        at_ratio(Schnakenberg(), 5.0)
+    with pytest.raises(ValueError, match=r"(?s)ratio=5: no pattern grows.*d_v f_u.*FAIL.*critical 8.5676"):
+        turing_unstable_at(Schnakenberg(), 5.0)
     assert str(conditions(Schnakenberg(), 1.0, 10.0)).count("pass") == 4
 
 
 def test_a_ratio_that_does_not_help_is_not_asked_for():
     # a > b: f_u = (b − a)/(a + b) < 0 and g_v = −(a + b)² < 0, so there is no activator and no ratio
-    with pytest.raises(ValueError, match=r"^no pattern forms.* take other parameters") as caught:
-        at_ratio(Schnakenberg(a=2.0, b=0.1), 5.0)
+    with pytest.raises(ValueError, match=r"^no pattern grows.* take other parameters") as caught:
+        turing_unstable_at(Schnakenberg(a=2.0, b=0.1), 5.0)
     assert "nan" not in str(caught.value)
     # f_u = 0.25/0.35 > (a + b)² = 0.1225: the trace is positive at any ratio
-    with pytest.raises(ValueError, match=r"^ratio=5: no pattern forms.* take other parameters"):
-        at_ratio(Schnakenberg(a=0.05, b=0.3), 5.0)
+    with pytest.raises(ValueError, match=r"^ratio=5: no pattern grows.* take other parameters"):
+        turing_unstable_at(Schnakenberg(a=0.05, b=0.3), 5.0)
 
 
 def test_no_steady_state_is_an_error():

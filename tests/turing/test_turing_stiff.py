@@ -8,7 +8,7 @@ from turing_problems import semi_annulus
 
 from turingfold.turing.integrators.bdf import march_bdf
 from turingfold.turing.integrators.rosenbrock import march
-from turingfold.turing.kinetics.concentrations import Schnakenberg
+from turingfold.turing.kinetics.chemical import Schnakenberg
 from turingfold.turing.kinetics.user import UserKinetics
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
 from turingfold.turing.steady import settle

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from skfem import MeshTri, MeshTri2
 
-from turingfold.turing.kinetics.concentrations import Schnakenberg
+from turingfold.turing.kinetics.chemical import Schnakenberg
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
 
 ORACLE = json.loads((Path(__file__).parents[1] / "data" / "turing_oracle.json").read_text())

@@ -1,7 +1,7 @@
 """Branches of steady patterns as the diffusion ratio changes, by pseudo-arclength continuation.
 
 Solves M f(w) = D(d) K w with d = d_inhibitor / d_activator as an unknown, the activator's diffusivity kept,
-from the point where a mode of the uniform state is neutral. Method: Keller (1977).
+from the point where a mode of the uniform state neither grows nor decays. Method: Keller (1977).
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class _Direction:
     ratio: float
 
 
-def follow(
+def steady_branch(
     system: ReactionDiffusion,
     found: Conditions,
     mode: Mode,
@@ -137,7 +137,7 @@ class _Branch:
     def product(self, one: Array, other: Array) -> float:
         """Return the mean over the area of one·other, relative to the steady activator squared."""
         space = self.system.space
-        return float(np.sum(one * self.system.massed(other)) / (space.area * self.size**2))
+        return float(np.sum(one * self.system.times_mass(other)) / (space.area * self.size**2))
 
     def amplitude(self, state: Array) -> float:
         """Return the root mean square of the activator about its mean."""
@@ -148,10 +148,10 @@ class _Branch:
     def by_ratio(self, state: Array) -> Array:
         """Return ∂rate/∂d for the relative ratio d / start."""
         d_a = self.system.d_u if self.activator == 0 else self.system.d_v
-        slope = np.zeros_like(state)
+        derivative = np.zeros_like(state)
         inhibitor = 1 - self.activator
-        slope[inhibitor] = -self.start * d_a * (self.system.space.stiffness @ state[inhibitor])
-        return slope
+        derivative[inhibitor] = -self.start * d_a * (self.system.space.stiffness @ state[inhibitor])
+        return derivative
 
     def tangent(self, state: Array, ratio: float, before: _Direction) -> _Direction:
         """Return the unit tangent at a solution, on the side of the one before."""

@@ -41,15 +41,15 @@ def unstable_box(system: ReactionDiffusion, state: Array) -> tuple[float, float]
     s = np.sqrt(sizes[0] / sizes[1]) if min(sizes) > 0 else 1.0
     uv, vu = p_v / s, q_u * s
     right = 0.5 * (p_u + q_v) + np.hypot(0.5 * (p_u - q_v), 0.5 * (uv + vu))
-    fastest = max(float(np.abs(slope).max()) for slope in (p_u, q_v, uv, vu))
+    fastest = max(float(np.abs(values).max()) for values in (p_u, q_v, uv, vu))
     high = max(0.5 * float(np.abs(vu - uv).max()), 1e-3 * fastest)
     return ALLOWANCE * max(float(right.max()), 0.0), ALLOWANCE * high
 
 
-def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, neutral: float = 0.0) -> Complexes:
+def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, tolerated: float = 0.0) -> Complexes:
     """Return eigenvalues at a state by descending real part: every one with Re λ ≥ 0, and those next to it.
 
-    Where one exceeds `neutral`, the rate up to which a perturbation may grow, others of that kind may be
+    Where one exceeds `tolerated`, the rate up to which a perturbation may grow, others of that kind may be
     missing.
     Raises NotConvergedError if stability cannot be decided with MOST eigenvalues.
     """
@@ -64,7 +64,7 @@ def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, neutral: floa
     solve = system.solver(state, sigma)
 
     def inverse(x: Array) -> Array:  # (σM − J)⁻¹ M
-        return solve(system.massed(x.reshape(2, -1))).ravel()
+        return solve(system.times_mass(x.reshape(2, -1))).ravel()
 
     def damped_cayley(x: Array) -> Array:
         y = sigma * inverse(x)
@@ -83,7 +83,7 @@ def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, neutral: floa
         space = orth(np.hstack([vectors.real, vectors.imag]), rcond=1e-8)
         images = np.stack([inverse(column) for column in space.T], axis=1)
         found = _ordered(sigma - 1 / eigvals(space.T @ images))
-        if np.abs(values).min() < least or found[0].real > neutral:
+        if np.abs(values).min() < least or found[0].real > tolerated:
             return found
         count *= 2
     raise NotConvergedError(
@@ -113,7 +113,7 @@ def eigenvalue_right(system: ReactionDiffusion, state: Array) -> complex:
     n = 2 * system.space.size
 
     def apply(x: Array) -> Array:
-        return solve(system.massed(x.reshape(2, -1))).ravel()
+        return solve(system.times_mass(x.reshape(2, -1))).ravel()
 
     return _nearest(LinearOperator((n, n), matvec=apply, dtype=float), point, 4)
 

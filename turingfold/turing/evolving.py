@@ -15,7 +15,7 @@ from ..geometry.body import Body
 from ..parts import Fields, LongEvolution, Process
 from ..state import State
 from .integrators.rosenbrock import march
-from .kinetics.base import Four, Kinetics, Pair, Point
+from .kinetics.base import Derivatives, Kinetics, Rates, UniformState
 from .process import WRITTEN, Turing, refuse_negative
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
 from .steady import check_deadline
@@ -130,8 +130,8 @@ class EvolvingOnBody(LongEvolution):
         if exponent == 0:
             return kinetics
         # ∫ φ J dA₀ = ∫ φ dA: the change of area at the nodes
-        rest = discretise(self.body.cortex.mesh, 2)
-        change = rest.sparsity.scalar_solver(rest.mass.data)(space.weights)
+        undeformed = discretise(self.body.cortex.mesh, 2)
+        change = undeformed.sparsity.scalar_solver(undeformed.mass.data)(space.weights)
         return Accelerated(kinetics, change**exponent)
 
     def _evolved(self, system: ReactionDiffusion, values: Array, until: float, time: float) -> Array:
@@ -165,17 +165,17 @@ class Accelerated(Kinetics):
         """As the kinetics."""
         return self.kinetics.non_negative
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return the rates, faster by the factor."""
         p, q = self.kinetics.rates(u, v)
         return self.factor * p, self.factor * q
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v, larger by the factor."""
         p_u, p_v, q_u, q_v = self.kinetics.derivatives(u, v)
         return self.factor * p_u, self.factor * p_v, self.factor * q_u, self.factor * q_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return those of the kinetics."""
         return self.kinetics.steady_states()
 

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from ..arrays import Array, Integers
 from .linear.direct import factorised
 from .reaction_diffusion import Discretisation
-from .stability import Conditions, oriented
+from .stability import Conditions, conditions_at_ratio
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ def sign_changes(values: Array, negligible: float = 1e-3) -> int:
     return int(np.sum(np.diff(np.sign(clear)) != 0))
 
 
-def swings(values: Array, closed: bool, least: float = 0.1) -> int:
+def count_half_waves(values: Array, closed: bool, least: float = 0.1) -> int:
     """Count the rises and falls of values along a line, those below `least` times their range left out.
 
     closed: whether the line is a loop whose first value comes again at its end.
@@ -114,7 +114,7 @@ def spectrum(space: Discretisation, upto: float, line: Integers) -> list[Mode]:
         count *= 2
 
 
-def isolating_ratio(found: Conditions, mode: Mode, others: list[Mode]) -> float:
+def largest_isolating_ratio(found: Conditions, mode: Mode, others: list[Mode]) -> float:
     """Return the largest ratio d_inhibitor / d_activator at which the mode, made the fastest, grows alone.
 
     At most the ratio examined. Raises ValueError if another mode has the same eigenvalue, so that no ratio
@@ -127,7 +127,7 @@ def isolating_ratio(found: Conditions, mode: Mode, others: list[Mode]) -> float:
     )
 
     def alone(ratio: float) -> bool:
-        low, high = oriented(found.kinetics, ratio).scaled_to(mode.value).band
+        low, high = conditions_at_ratio(found.kinetics, ratio).scaled_to(mode.value).band
         return bool(below <= low and high <= above)
 
     low, high = found.critical_ratio * (1 + 1e-9), found.ratio
@@ -145,7 +145,7 @@ def isolating_ratio(found: Conditions, mode: Mode, others: list[Mode]) -> float:
     return low
 
 
-def growing(found: Conditions, modes: list[Mode]) -> list[Mode]:
+def growing_modes(found: Conditions, modes: list[Mode]) -> list[Mode]:
     """Return the modes that grow under the conditions examined."""
     low, high = found.band
     return [mode for mode in modes if low < mode.value < high]

@@ -15,10 +15,10 @@ from ..geometry.body import Body
 from ..parts import Fields, LongEvolution, Process
 from ..state import State
 from .kinetics.base import Kinetics
-from .modes import Mode, mode_with, swings
+from .modes import Mode, count_half_waves, mode_with
 from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
-from .stability import Conditions, at_ratio
-from .steady import SteadyState, refine, settle
+from .stability import Conditions, turing_unstable_at
+from .steady import SteadyState, continue_on_finer, settle
 
 WRITTEN = ("activator", "inhibitor", "pattern")
 DRIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
@@ -61,7 +61,7 @@ class Pattern:
     @property
     def half_waves(self) -> int:
         """Number of half waves along the pial surface."""
-        return swings(self.activator[self.design.line], self.design.line[0] == self.design.line[-1])
+        return count_half_waves(self.activator[self.design.line], self.design.line[0] == self.design.line[-1])
 
     @property
     def normalised(self) -> Array:
@@ -111,7 +111,7 @@ class Turing(Process):
                 f"half_waves={self.half_waves} is odd, and an odd number of half waves is not "
                 "mirror-symmetric; use an even number or symmetric=False."
             )
-        at_ratio(self.kinetics, self.ratio)
+        turing_unstable_at(self.kinetics, self.ratio)
 
     @property
     def writes(self) -> tuple[str, ...]:
@@ -132,7 +132,7 @@ class Turing(Process):
         space = discretise(body.cortex.mesh, 2)
         line, middle = pial_line(body)
         mode = mode_with(space, self._half_waves_on(body), line, space.area / body.thickness, body.thickness)
-        found = at_ratio(self.kinetics, self.ratio).scaled_to(mode.value)
+        found = turing_unstable_at(self.kinetics, self.ratio).scaled_to(mode.value)
         shortest = 2 * math.pi / math.sqrt(found.shortest_k2)
         if shortest < 2 * space.edge:
             raise ValueError(
@@ -234,19 +234,19 @@ def _linear_first(turing: Turing, body: Body, design: Design, begin: Array, dead
     linear = ReactionDiffusion(discretise(mesh, 1), turing.kinetics, found.d_u, found.d_v)
     quadratic = ReactionDiffusion(design.space, turing.kinetics, found.d_u, found.d_v)
     drift = _tolerated_drift(body, design)
-    settled = settle(linear, begin[:, : mesh.nvertices], neutral=drift, deadline=deadline)
+    settled = settle(linear, begin[:, : mesh.nvertices], tolerated=drift, deadline=deadline)
     vertices = settled.state
     guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
     if turing.symmetric and not body.mirror:
         guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
-    return Pattern(design, quadratic, refine(quadratic, settled, guess, neutral=drift))
+    return Pattern(design, quadratic, continue_on_finer(quadratic, settled, guess, tolerated=drift))
 
 
 def _quadratic_only(turing: Turing, body: Body, design: Design, begin: Array, deadline: float) -> Pattern:
     """Run to the pattern on quadratic elements."""
     found = design.conditions
     system = ReactionDiffusion(design.space, turing.kinetics, found.d_u, found.d_v)
-    settled = settle(system, begin, neutral=_tolerated_drift(body, design), deadline=deadline)
+    settled = settle(system, begin, tolerated=_tolerated_drift(body, design), deadline=deadline)
     return Pattern(design, system, settled)
 
 

@@ -136,16 +136,16 @@ class ReactionDiffusion:
 
     def rate(self, state: Array) -> Array:
         """Return M f(w) − D K w, the rate of change times the mass; shape (2, n_nodes)."""
-        return self.massed(np.stack(self.kinetics.rates(*state))) - self.spread(state)
+        return self.times_mass(np.stack(self.kinetics.rates(*state))) - self.diffusion(state)
 
-    def spread(self, state: Array) -> Array:
+    def diffusion(self, state: Array) -> Array:
         """Return D K w, shape (2, n_nodes)."""
         return np.asarray((self.space.stiffness @ (state.T * [self.d_u, self.d_v])).T)
 
     def _blocks(self, state: Array, shift: float) -> Blocks:
         space, at = self.space, self.space.sparsity.columns
         m, k = space.mass.data, space.stiffness.data
-        p_u, p_v, q_u, q_v = (slope[at] for slope in self.kinetics.derivatives(*state))
+        p_u, p_v, q_u, q_v = (derivative[at] for derivative in self.kinetics.derivatives(*state))
         uu, vv = m * (shift - p_u) + self.d_u * k, m * (shift - q_v) + self.d_v * k
         return uu, -m * p_v, -m * q_u, vv
 
@@ -170,6 +170,6 @@ class ReactionDiffusion:
         matrix = self.matrix(state, shift)
         return TwoLevel(matrix, up, coarse, tolerance, lambda: self.solver(state, shift))
 
-    def massed(self, state: Array) -> Array:
+    def times_mass(self, state: Array) -> Array:
         """Return M w, shape (2, n_nodes)."""
         return np.asarray((self.space.mass @ state.T).T)

@@ -10,9 +10,9 @@ import numpy as np
 
 from ..geometry.body import Body
 from .kinetics.base import Kinetics
-from .modes import Mode, isolating_ratio, spectrum
+from .modes import Mode, largest_isolating_ratio, spectrum
 from .process import Turing
-from .stability import Conditions, dispersion, oriented
+from .stability import Conditions, conditions_at_ratio, dispersion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +61,7 @@ class StabilityReport:
             return f"{self.half_waves} half waves grow alone"
         mode = next(mode for mode in self.modes if mode.half_waves == self.half_waves)
         try:
-            largest = isolating_ratio(self.conditions, mode, list(self.modes))
+            largest = largest_isolating_ratio(self.conditions, mode, list(self.modes))
         except ValueError as error:
             return str(error)
         return f"{self.half_waves} half waves grow alone at ratios up to {largest:.6g}"
@@ -114,7 +114,7 @@ def stability_report(
 
     Raises ValueError as `Turing` does where the body cannot hold them.
     """
-    found = oriented(kinetics, ratio)
+    found = conditions_at_ratio(kinetics, ratio)
     if body is None or not found.unstable:
         return StabilityReport(found)
     design = Turing(kinetics, half_waves=half_waves, ratio=ratio).design(body)

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..checks import finite_array, one_of, positive
-from .kinetics.base import Kinetics, Point
+from .kinetics.base import Kinetics, UniformState
 
 NAN = float("nan")
 
@@ -55,8 +55,8 @@ class Conditions:
     kinetics: Kinetics
     d_u: float
     d_v: float
-    steady_states: tuple[Point, ...]
-    steady_state: Point
+    steady_states: tuple[UniformState, ...]
+    steady_state: UniformState
     jacobian: Array
     checks: tuple[Condition, ...]
     activator: str
@@ -140,29 +140,30 @@ def conditions(kinetics: Kinetics, d_u: float, d_v: float) -> Conditions:
     return (ranked or found)[0]
 
 
-def oriented(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
+def conditions_at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
     """Examine a kinetics with diffusivities 1 (activator) and `ratio` (inhibitor; default: published)."""
     ratio = positive("ratio", kinetics.published_ratio if ratio is None else ratio)
     u_first, v_first = (conditions(kinetics, *pair) for pair in ((1.0, ratio), (ratio, 1.0)))
     return v_first if v_first.activator == "v" and not u_first.unstable else u_first
 
 
-def at_ratio(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
-    """Examine as `oriented` does; raise ValueError, with the table of conditions, if not Turing-unstable."""
-    found = oriented(kinetics, ratio)
+def turing_unstable_at(kinetics: Kinetics, ratio: float | None = None) -> Conditions:
+    """Examine as `conditions_at_ratio` does; raise ValueError with the table if not Turing-unstable."""
+    found = conditions_at_ratio(kinetics, ratio)
     if not found.unstable:
         given = "" if math.isnan(found.ratio) else f"ratio={found.ratio:g}: "
         helps = found.checks[0].holds and found.ratio <= found.critical_ratio  # False where they are NaN
         remedy = f"a ratio above the critical one, {found.critical_ratio:.6g}, or " if helps else ""
         raise ValueError(
-            f"{given}no pattern forms, because not all four conditions of a Turing instability hold; take "
+            f"{given}no pattern grows out of the uniform state, because not all four conditions of a Turing "
+            f"instability hold; take "
             f"{remedy}other parameters.\n{found}"
         )
     return found
 
 
 def _examine(
-    kinetics: Kinetics, d_u: float, d_v: float, states: tuple[Point, ...], state: Point
+    kinetics: Kinetics, d_u: float, d_v: float, states: tuple[UniformState, ...], state: UniformState
 ) -> Conditions:
     J = kinetics.jacobian(state)
     (f_u, f_v), (g_u, g_v) = J.tolist()

@@ -46,10 +46,10 @@ class SteadyState:
 def relative_residual(system: ReactionDiffusion, state: Array) -> float:
     """Return the largest |M f − D K w| of the nodes over the largest |M| |∂f/∂w| |w| + D |K| |w|."""
     space, size = system.space, np.abs(state)
-    p_u, p_v, q_u, q_v = (np.abs(slope) for slope in system.kinetics.derivatives(*state))
+    p_u, p_v, q_u, q_v = (np.abs(values) for values in system.kinetics.derivatives(*state))
     reaction = abs(space.mass) @ np.stack([p_u * size[0] + p_v * size[1], q_u * size[0] + q_v * size[1]]).T
-    spread = abs(space.stiffness) @ np.stack([system.d_u * size[0], system.d_v * size[1]]).T
-    largest = (reaction + spread).max(axis=0) + np.finfo(float).tiny
+    diffusion = abs(space.stiffness) @ np.stack([system.d_u * size[0], system.d_v * size[1]]).T
+    largest = (reaction + diffusion).max(axis=0) + np.finfo(float).tiny
     return float((np.abs(system.rate(state)).max(axis=1) / largest).max())
 
 
@@ -82,10 +82,9 @@ def newton(
     )
 
 
-def speed(system: ReactionDiffusion, state: Array) -> float:
+def relative_rate(system: ReactionDiffusion, state: Array) -> float:
     """Return the largest rate of change over the pattern's height and the fastest reaction rate."""
-    slopes = system.kinetics.derivatives(*state)
-    fastest = max(float(np.abs(slope).max()) for slope in slopes)
+    fastest = max(float(np.abs(values).max()) for values in system.kinetics.derivatives(*state))
     change = np.abs(system.rate(state)) / abs(system.space.mass).sum(axis=0)
     height = np.ptp(state, axis=1) + np.finfo(float).tiny
     return float((change.max(axis=1) / height).max() / fastest)
@@ -98,31 +97,31 @@ def settle(
     until: float = math.inf,
     steps: int = 1000,
     tolerance: float = 1e-2,
-    neutral: float = 0.0,
+    tolerated: float = 0.0,
     deadline: float = math.inf,
 ) -> SteadyState:
     """Run from a start until the pattern stands, polish it with Newton's method, and certify it.
 
-    until, steps: longest time and largest number of steps to run.  neutral: rate up to which a perturbation
+    until, steps: longest time and largest number of steps to run.  tolerated: rate up to which a perturbation
     may grow.
     tolerance: local error of the run, relative; the end point does not depend on it.
     deadline: of `time.perf_counter`.
     Raises NotConvergedError if nothing stable is reached by then.
     """
-    slow, leading, moment = 1e-3, complex(math.nan), None
+    still_below, leading, moment = 1e-3, complex(math.nan), None
     for moment in march(system, start, until=until, tolerance=tolerance):
         check_deadline(deadline, moment.time)
-        if speed(system, moment.state) < slow:
-            slow *= 0.1  # what stands still may yet be unstable: then wait ten times longer
+        if relative_rate(system, moment.state) < still_below:
+            still_below *= 0.1  # a state at rest may be unstable: then run on until it moves ten times less
             try:
                 state, residual, iterations = newton(system, moment.state)
             except NotConvergedError:
                 continue
-            eigenvalues = rightmost_eigenvalues(system, state, neutral)
+            eigenvalues = rightmost_eigenvalues(system, state, tolerated)
             leading = complex(eigenvalues[0])
-            if leading.real < neutral:
+            if leading.real < tolerated:
                 return SteadyState(state, residual, eigenvalues, moment.time, moment.steps, iterations)
-        if moment.steps >= steps or slow < 1e-12:
+        if moment.steps >= steps or still_below < 1e-12:
             break
     time = moment.time if moment else 0.0
     raise NotConvergedError(
@@ -151,14 +150,14 @@ def _reason(leading: complex) -> str:
     return f"(the one found oscillates with a period of {period:.3g}, growing at the rate {leading.real:.3g})"
 
 
-def refine(
-    system: ReactionDiffusion, coarse: SteadyState, state: Array, *, neutral: float = 0.0
+def continue_on_finer(
+    system: ReactionDiffusion, coarse: SteadyState, state: Array, *, tolerated: float = 0.0
 ) -> SteadyState:
     """Polish a steady state of linear elements, interpolated to `state`, on quadratic ones, and certify it.
 
     The linear elements show that no unstable eigenvalue is missing. The rightmost real eigenvalue and, where
     one is near instability, the rightmost complex pair are computed anew on the quadratic elements.
-    neutral: rate up to which a perturbation may grow.
+    tolerated: rate up to which a perturbation may grow.
     Raises NotConvergedError if Newton's method fails or the steady state is unstable.
     """
     state, residual, iterations = newton(system, state)
@@ -167,7 +166,7 @@ def refine(
     if len(pairs):
         found.append(eigenvalue_near(system, state, complex(pairs[0])))
     leading = max(found, key=lambda value: value.real)
-    if leading.real >= neutral:
+    if leading.real >= tolerated:
         raise NotConvergedError(
             f"the steady state is unstable on the quadratic elements (leading eigenvalue {leading:.3g}) "
             "though stable on the linear ones; use smaller elements.",

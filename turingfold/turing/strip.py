@@ -10,7 +10,7 @@ from skfem import MeshTri
 
 from ..arrays import Array, Integers
 from ..checks import positive, whole
-from .growing import march_growing
+from .growing_domain import march_on_growing_domain
 from .kinetics.base import Kinetics
 from .modes import sign_changes
 from .reaction_diffusion import ReactionDiffusion, discretise
@@ -34,20 +34,20 @@ def growing_strip(
 
     size: its length L(t), 1 at the start.  d_u, d_v: diffusivities.  noise: amplitude of one half wave that
     is added to u at the first steady state.  Raises ValueError for kinetics without one, and as
-    `march_growing` does.
+    `march_on_growing_domain` does.
     """
     whole("elements", elements, at_least=8)
     positive("noise", noise)
-    if not (rest := kinetics.steady_states()):
+    if not (uniform := kinetics.steady_states()):
         raise ValueError(f"{type(kinetics).__name__} has no steady state; use other parameters.")
     mesh = MeshTri.init_tensor(np.linspace(0, 1, elements + 1), np.array([0, 1 / elements]))
     space = discretise(mesh, 2)
     line = np.flatnonzero(space.nodes[1] == 0.0)
     line = line[np.argsort(space.nodes[0, line])]
     system = ReactionDiffusion(space, kinetics, d_u, d_v)
-    state = system.uniform(*rest[0])
+    state = system.uniform(*uniform[0])
     state[0] += noise * np.cos(np.pi * space.nodes[0])
-    run = march_growing(system, state, size, until=until, dimensions=1, tolerance=tolerance)
+    run = march_on_growing_domain(system, state, size, until=until, dimensions=1, tolerance=tolerance)
     times, values = zip(*((moment.time, moment.state[0, line]) for moment in run), strict=True)
     counts = np.array([sign_changes(u - u.mean()) for u in values])
     return StripPattern(np.array(times), space.nodes[0, line], np.array(values), counts)

@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...checks import positive
 from ..linear.direct import Solver
 from ..reaction_diffusion import ReactionDiffusion
-from .rosenbrock import ErrorNorm, Moment, reaction_time, step_too_small, turns_negative
+from .rosenbrock import ErrorNorm, Snapshot, reaction_time, step_too_small, turns_negative
 
 HIGHEST = 5
 _KAPPA = np.array([0.0, -0.1850, -1 / 9, -0.0823, -0.0415, 0.0])
@@ -32,7 +32,7 @@ def march_bdf(
     tolerance: float = 1e-4,
     floor: float | None = None,
     first: float | None = None,
-) -> Iterator[Moment]:
+) -> Iterator[Snapshot]:
     """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
 
     tolerance, floor, first, and steps that turn negative: as in `march`.
@@ -54,7 +54,7 @@ def march_bdf(
             if run.step < smallest:
                 raise step_too_small(run.step, run.time, 1e12 * smallest, run.negative)
         run.time = until if ends else run.time
-        yield Moment(run.time, run.differences[0].copy(), run.steps, run.factorizations)
+        yield Snapshot(run.time, run.differences[0].copy(), run.steps, run.factorizations)
         run.adapt()
 
 
@@ -120,7 +120,7 @@ class _Run:
         change, last = np.zeros_like(guess), math.nan
         with np.errstate(over="ignore", invalid="ignore"):
             for iteration in range(1, 5):
-                right = self.system.rate(guess + change) - self.system.massed(psi + change) / c
+                right = self.system.rate(guess + change) - self.system.times_mass(psi + change) / c
                 if not np.isfinite(right).all():
                     return None, iteration
                 update = solve(right)

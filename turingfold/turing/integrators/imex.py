@@ -22,7 +22,7 @@ from ...checks import positive
 from ...errors import InadmissibleStateError
 from ..linear.direct import Solver
 from ..reaction_diffusion import ReactionDiffusion
-from .rosenbrock import Moment
+from .rosenbrock import Snapshot
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def march_imex(
     until: float,
     step: float,
     scheme: Multistep | RungeKutta = SBDF2,
-) -> Iterator[Moment]:
+) -> Iterator[Snapshot]:
     """Yield every step from `state` to `until`; `step` is made a little smaller to divide it evenly.
 
     The reaction's eigenvalues are looked at every CHECKED steps, and where the state rises. Raises ValueError
@@ -155,7 +155,7 @@ def march_imex(
                 seen = largest
                 if refusal := _beyond_limit(scheme, dt, fastest_reaction(system, new)):
                     raise InadmissibleStateError(f"at time {n * dt:.6g} {refusal}", time=n * dt)
-            yield Moment(n * dt, new, n, factorizations)
+            yield Snapshot(n * dt, new, n, factorizations)
 
 
 def _beyond_limit(scheme: Multistep | RungeKutta, dt: float, fastest: float) -> str:
@@ -190,9 +190,9 @@ def _multistep(
     reactions = [_reaction(system, old) for old in states]
     solvers = _implicit_solvers(system, scheme.a[0], scheme.c[0] * dt)
     for _ in range(count - levels + 1):
-        right = system.massed(_weighted(scheme.a[1:], states) + dt * _weighted(scheme.b, reactions))
+        right = system.times_mass(_weighted(scheme.a[1:], states) + dt * _weighted(scheme.b, reactions))
         if len(scheme.c) > 1:
-            right = right - dt * system.spread(_weighted(scheme.c[1:], states))
+            right = right - dt * system.diffusion(_weighted(scheme.c[1:], states))
         new = np.stack([solve(side) for solve, side in zip(solvers, right, strict=True)])
         states = [new, *states[: levels - 1]]
         reactions = [_reaction(system, new), *reactions[: levels - 1]]
@@ -211,14 +211,14 @@ def _runge_kutta(
     diagonal = scheme.implicit[-1, -1]
     solvers = _implicit_solvers(system, 1.0, diagonal * dt)
     for _ in range(count):
-        reactions, spreads = [_reaction(system, state)], [system.spread(state)]
-        start = system.massed(state)
+        reactions, diffusions = [_reaction(system, state)], [system.diffusion(state)]
+        start = system.times_mass(state)
         for i in range(1, len(scheme.explicit)):
             gain = np.tensordot(scheme.explicit[i, :i], np.array(reactions), 1)
-            loss = np.tensordot(scheme.implicit[i, :i], np.array(spreads), 1)
-            right = start + dt * (system.massed(gain) - loss)
+            loss = np.tensordot(scheme.implicit[i, :i], np.array(diffusions), 1)
+            right = start + dt * (system.times_mass(gain) - loss)
             stage = np.stack([solve(side) for solve, side in zip(solvers, right, strict=True)])
             reactions.append(_reaction(system, stage))
-            spreads.append(system.spread(stage))
+            diffusions.append(system.diffusion(stage))
         state = stage
         yield state

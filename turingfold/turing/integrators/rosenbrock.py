@@ -102,7 +102,7 @@ RODAS4 = Tableau(
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Snapshot:
     """An accepted step: time, state (2, n_nodes), and the counts of steps and factorisations so far."""
 
     time: float
@@ -156,7 +156,7 @@ def step_too_small(step: float, time: float, fastest: float, negative: bool) -> 
 
 def reaction_time(system: ReactionDiffusion, state: Array) -> float:
     """Return one over the largest derivative of the rates at a state."""
-    return 1 / max(float(np.abs(slope).max()) for slope in system.kinetics.derivatives(*state))
+    return 1 / max(float(np.abs(values).max()) for values in system.kinetics.derivatives(*state))
 
 
 def march(
@@ -169,7 +169,7 @@ def march(
     first: float | None = None,
     tableau: Tableau = RODAS4,
     during: Callable[[float, float], ReactionDiffusion] | None = None,
-) -> Iterator[Moment]:
+) -> Iterator[Snapshot]:
     """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
 
     tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the
@@ -196,7 +196,7 @@ def march(
             step, growth = 0.5 * step, 1.0
         elif error <= 1.0:
             time, state, steps = until if last else time + step, candidate, steps + 1
-            yield Moment(time, state, steps, factorizations)
+            yield Snapshot(time, state, steps, factorizations)
             step, growth = step * min(growth, max(0.2, factor)), 5.0
         else:
             step, growth = step * max(0.1, min(0.9, factor)), 1.0
@@ -217,7 +217,7 @@ def rosenbrock_step(
             at = state + np.tensordot(a[i, :i], past, 1) if i else state
             right = system.rate(at)
             if i:
-                right = right + system.massed(np.tensordot(c[i, :i] / step, past, 1))
+                right = right + system.times_mass(np.tensordot(c[i, :i] / step, past, 1))
             if not np.isfinite(right).all():
                 return state, math.inf
             stages.append(solve(right))

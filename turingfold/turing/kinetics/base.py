@@ -16,9 +16,9 @@ import numpy as np
 from ...arrays import Array
 from ...checks import finite, positive
 
-Pair: TypeAlias = tuple[Array, Array]
-Four: TypeAlias = tuple[Array, Array, Array, Array]
-Point: TypeAlias = tuple[float, float]
+Rates: TypeAlias = tuple[Array, Array]
+Derivatives: TypeAlias = tuple[Array, Array, Array, Array]
+UniformState: TypeAlias = tuple[float, float]
 
 
 class Kinetics(ABC):
@@ -43,15 +43,15 @@ class Kinetics(ABC):
                 positive(label, value)
 
     @abstractmethod
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
 
     @abstractmethod
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
 
     @abstractmethod
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return every admissible uniform state (u, v) with p = q = 0; empty if there is none."""
 
     @property
@@ -59,7 +59,7 @@ class Kinetics(ABC):
         """Parameters by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
 
-    def jacobian(self, state: Point) -> Array:
+    def jacobian(self, state: UniformState) -> Array:
         """Return ∂(p, q)/∂(u, v) at one state, shape (2, 2)."""
         u, v = np.array([state[0]]), np.array([state[1]])
         return np.array(self.derivatives(u, v)).reshape(2, 2)

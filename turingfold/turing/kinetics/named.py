@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 from ...checks import one_of
+from .activator_inhibitor import FitzHughNagumo, GiererMeinhardt, KochMeinhardt
 from .base import Kinetics
-from .concentrations import (
-    Brusselator,
-    GiererMeinhardt,
-    GrayScott,
-    KochMeinhardt,
-    LengyelEpstein,
-    Schnakenberg,
-    Thomas,
-)
-from .deviations import BVAM, BVAM2012, FitzHughNagumo
+from .bvam import BVAM, BVAM2012
+from .chemical import Brusselator, GrayScott, LengyelEpstein, Schnakenberg, Thomas
 
 KINETICS: dict[str, type[Kinetics]] = {
     kind.__name__: kind

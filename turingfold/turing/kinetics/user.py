@@ -10,10 +10,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...checks import finite_array, positive
-from .base import Four, Kinetics, Pair, Point
+from .base import Derivatives, Kinetics, Rates, UniformState
 
 Rate = Callable[[Array, Array], Array]
-Derivatives = Callable[[Array, Array], Four]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +30,8 @@ class UserKinetics(Kinetics):
 
     p: Rate
     q: Rate
-    guesses: tuple[Point, ...]
-    partial_derivatives: Derivatives | None = None
+    guesses: tuple[UniformState, ...]
+    partial_derivatives: Callable[[Array, Array], Derivatives] | None = None
     ratio: float = 10.0
     non_negative: ClassVar[bool] = False
 
@@ -62,20 +61,20 @@ class UserKinetics(Kinetics):
         """None by name: they live inside the functions."""
         return {}
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         return np.asarray(self.p(u, v)), np.asarray(self.q(u, v))
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         if self.partial_derivatives is None:
             return self._differences(u, v)
         p_u, p_v, q_u, q_v = (np.asarray(values) for values in self.partial_derivatives(u, v))
         return p_u, p_v, q_u, q_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return the distinct states that Newton's method reaches from the guesses."""
-        found: list[Point] = []
+        found: list[UniformState] = []
         for guess in self.guesses:
             state = self._newton(guess)
             if state is not None and all(
@@ -84,7 +83,7 @@ class UserKinetics(Kinetics):
                 found.append(state)
         return tuple(found)
 
-    def _newton(self, guess: Point) -> Point | None:
+    def _newton(self, guess: UniformState) -> UniformState | None:
         x = np.array(guess)
         for _ in range(50):
             rate = np.array(self.rates(x[:1], x[1:]))[:, 0]
@@ -97,7 +96,7 @@ class UserKinetics(Kinetics):
                 return float(x[0]), float(x[1])
         return None
 
-    def _differences(self, u: Array, v: Array) -> Four:
+    def _differences(self, u: Array, v: Array) -> Derivatives:
         size = np.cbrt(np.finfo(float).eps)
         h, k = size * (1 + np.abs(u)), size * (1 + np.abs(v))
         rates = self.rates
@@ -105,7 +104,7 @@ class UserKinetics(Kinetics):
         by_v = [(a - b) / (2 * k) for a, b in zip(rates(u, v + k), rates(u, v - k), strict=True)]
         return by_u[0], by_v[0], by_u[1], by_v[1]
 
-    def _compare(self, given: Four, differences: Four, at: Pair) -> None:
+    def _compare(self, given: Derivatives, differences: Derivatives, at: Rates) -> None:
         scale = max(float(np.abs(value).max()) for value in differences) + 1e-30
         for name, mine, theirs in zip(("∂p/∂u", "∂p/∂v", "∂q/∂u", "∂q/∂v"), differences, given, strict=True):
             worst = int(np.argmax(np.abs(mine - theirs)))

@@ -67,8 +67,8 @@ class Sparsity:
         """Nodes in the order, of two tried, that gives the smaller bandwidth."""
         gaps = np.hypot(*(self.nodes[:, self.indices] - self.nodes[:, self.columns]))
         graph = csr_array((gaps, self.indices, self.indptr), shape=(self.size, self.size))
-        reach = dijkstra(graph, indices=[0])[0]  # from anywhere to one end, from there along the band
-        end = int(np.argmax(np.where(np.isfinite(reach), reach, -1.0)))
+        distance = dijkstra(graph, indices=[0])[0]  # from anywhere to one end, from there along the band
+        end = int(np.argmax(np.where(np.isfinite(distance), distance, -1.0)))
         along = dijkstra(graph, indices=[end])[0]
         orders = [np.argsort(along, kind="stable"), reverse_cuthill_mckee(graph, symmetric_mode=True)]
         tried = [np.asarray(order, dtype=np.int64) for order in orders]

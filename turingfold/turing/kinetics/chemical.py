@@ -1,4 +1,4 @@
-"""Kinetics of concentrations: u and v are never negative."""
+"""Kinetics of chemical reactions: one species feeds the other, or is used up by it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import Array
-from .base import Four, Kinetics, Pair, Point, real_roots
+from .base import Derivatives, Kinetics, Rates, UniformState, real_roots
 
 
 @dataclass(frozen=True)
@@ -24,89 +24,20 @@ class Schnakenberg(Kinetics):
     published_ratio: ClassVar[float] = 10.0
     may_be_zero: ClassVar[tuple[str, ...]] = ("a",)
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         turnover = u * u * v
         return self.a - u + turnover, self.b - turnover
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         by_u, by_v = 2 * u * v, u * u
         return by_u - 1, by_v, -by_u, -by_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return (a + b, b / (a + b)²)."""
         total = self.a + self.b
         return ((total, self.b / total**2),)
-
-
-@dataclass(frozen=True)
-class GiererMeinhardt(Kinetics):
-    """p = a − b u + u² / (v (1 + K u²)), q = u² − c v; K saturates the autocatalysis.
-
-    Defaults a = 0.5, b = 1, c = 6.1, K = 0, ratio 100: the VisualPDE preset GiererMeinhardt.
-    Kinetics: Gierer, Meinhardt (1972) Kybernetik 12:30.
-    """
-
-    a: float = 0.5
-    b: float = 1.0
-    c: float = 6.1
-    K: float = 0.0
-    published_ratio: ClassVar[float] = 100.0
-    may_be_zero: ClassVar[tuple[str, ...]] = ("a", "K")
-
-    def rates(self, u: Array, v: Array) -> Pair:
-        """Return p and q."""
-        square = u * u
-        return self.a - self.b * u + square / (v * (1 + self.K * square)), square - self.c * v
-
-    def derivatives(self, u: Array, v: Array) -> Four:
-        """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
-        brake = 1 + self.K * u * u
-        return 2 * u / (v * brake**2) - self.b, -u * u / (v * v * brake), 2 * u, np.full_like(u, -self.c)
-
-    def steady_states(self) -> tuple[Point, ...]:
-        """Return ((a + c) / b, u² / c) for K = 0, else the positive roots of (b u − a)(1 + K u²) = c."""
-        a, b, c, K = self.a, self.b, self.c, self.K
-        return tuple((u, u * u / c) for u in real_roots(b * K, -a * K, b, -(a + c)) if u > 0)
-
-
-@dataclass(frozen=True)
-class KochMeinhardt(Kinetics):
-    """p = ρ_a u² / ((1 + κ u²) v) − μ_a u, q = ρ_h u² − μ_h v.
-
-    Defaults ρ_a = μ_a = 0.01, ρ_h = μ_h = 0.02, κ = 0.25, ratio 40 (stripes): Koch, Meinhardt (1994)
-    Rev. Mod. Phys. 66:1481.
-    """
-
-    rho_a: float = 0.01
-    mu_a: float = 0.01
-    rho_h: float = 0.02
-    mu_h: float = 0.02
-    kappa: float = 0.25
-    published_ratio: ClassVar[float] = 40.0
-    may_be_zero: ClassVar[tuple[str, ...]] = ("kappa",)
-
-    def rates(self, u: Array, v: Array) -> Pair:
-        """Return p and q."""
-        square = u * u
-        production = self.rho_a * square / ((1 + self.kappa * square) * v)
-        return production - self.mu_a * u, self.rho_h * square - self.mu_h * v
-
-    def derivatives(self, u: Array, v: Array) -> Four:
-        """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
-        brake = 1 + self.kappa * u * u
-        return (
-            2 * self.rho_a * u / (brake**2 * v) - self.mu_a,
-            -self.rho_a * u * u / (brake * v * v),
-            2 * self.rho_h * u,
-            np.full_like(u, -self.mu_h),
-        )
-
-    def steady_states(self) -> tuple[Point, ...]:
-        """Return the root of κ u³ + u = ρ_a μ_h / (ρ_h μ_a), v = ρ_h u² / μ_h."""
-        strength = self.rho_a * self.mu_h / (self.rho_h * self.mu_a)
-        return tuple((u, self.rho_h * u * u / self.mu_h) for u in real_roots(self.kappa, 0, 1, -strength))
 
 
 @dataclass(frozen=True)
@@ -121,17 +52,17 @@ class Brusselator(Kinetics):
     B: float = 3.0
     published_ratio: ClassVar[float] = 8.0
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         turnover = u * u * v
         return self.A - (self.B + 1) * u + turnover, self.B * u - turnover
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         by_u, by_v = 2 * u * v, u * u
         return by_u - self.B - 1, by_v, self.B - by_u, -by_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return (A, B / A)."""
         return ((self.A, self.B / self.A),)
 
@@ -152,19 +83,19 @@ class Thomas(Kinetics):
     published_ratio: ClassVar[float] = 30.0
     may_be_zero: ClassVar[tuple[str, ...]] = ("K",)
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         uptake = self.rho * u * v / (1 + u + self.K * u * u)
         return self.a - u - uptake, self.alpha * (self.b - v) - uptake
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         brake = 1 + u + self.K * u * u
         by_u = self.rho * v * (1 - self.K * u * u) / brake**2
         by_v = self.rho * u / brake
         return -1 - by_u, -by_v, -by_u, -self.alpha - by_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return the roots of (a − u)(1 + u + K u²) = ρ u v with v = b − (a − u) / α, both positive."""
         a, b, alpha, rho, K = self.a, self.b, self.alpha, self.rho, self.K
         roots = real_roots(-K, a * K - 1 - rho / alpha, a - 1 - rho * (b - a / alpha), a)
@@ -184,17 +115,17 @@ class GrayScott(Kinetics):
     k: float = 0.062
     published_ratio: ClassVar[float] = 2.0
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         turnover = u * v * v
         return self.F * (1 - u) - turnover, turnover - (self.F + self.k) * v
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         by_u, by_v = v * v, 2 * u * v
         return -self.F - by_u, -by_v, by_u, by_v - self.F - self.k
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return (1, 0) and, where F ≥ 4 (F + k)², v = [F ± √(F² − 4F(F+k)²)] / (2(F+k)), u = (F+k)/v."""
         loss = self.F + self.k
         inner = self.F**2 - 4 * self.F * loss**2
@@ -217,19 +148,19 @@ class LengyelEpstein(Kinetics):
     sigma: float = 50.0
     published_ratio: ClassVar[float] = 53.5
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         uptake = u * v / (1 + u * u)
         return self.a - u - 4 * uptake, self.sigma * self.b * (u - uptake)
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         brake = 1 + u * u
         by_u, by_v = v * (1 - u * u) / brake**2, u / brake
         rate = self.sigma * self.b
         return -1 - 4 * by_u, -4 * by_v, rate * (1 - by_u), -rate * by_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return (a / 5, 1 + a² / 25)."""
         u = self.a / 5
         return ((u, 1 + u * u),)

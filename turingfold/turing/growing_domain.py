@@ -14,8 +14,8 @@ from typing import ClassVar
 
 from ..arrays import Array
 from ..checks import finite, positive, whole
-from .integrators.rosenbrock import Moment, march
-from .kinetics.base import Four, Kinetics, Pair, Point
+from .integrators.rosenbrock import Snapshot, march
+from .kinetics.base import Derivatives, Kinetics, Rates, UniformState
 from .reaction_diffusion import ReactionDiffusion
 
 
@@ -36,22 +36,22 @@ class Diluted(Kinetics):
         """Those of the kinetics."""
         return self.kinetics.parameters
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p − rate·u and q − rate·v."""
         p, q = self.kinetics.rates(u, v)
         return p - self.rate * u, q - self.rate * v
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v of the diluted rates."""
         p_u, p_v, q_u, q_v = self.kinetics.derivatives(u, v)
         return p_u - self.rate, p_v, q_u, q_v - self.rate
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return those of the kinetics without dilution."""
         return self.kinetics.steady_states()
 
 
-def march_growing(
+def march_on_growing_domain(
     system: ReactionDiffusion,
     state: Array,
     size: Callable[[float], float],
@@ -60,7 +60,7 @@ def march_growing(
     dimensions: int = 2,
     tolerance: float = 1e-4,
     change: float = 0.02,
-) -> Iterator[Moment]:
+) -> Iterator[Snapshot]:
     """Yield the accepted steps of a pattern on an evenly growing domain; states live on the initial domain.
 
     size: L(t), 1 at the start.  dimensions: n, of those in which the domain grows, 1 or 2.
@@ -82,7 +82,7 @@ def march_growing(
         for moment in run:
             state = moment.state
             counts = steps + moment.steps, factorizations + moment.factorizations
-            yield Moment(time + moment.time, state, *counts)
+            yield Snapshot(time + moment.time, state, *counts)
         steps, factorizations = counts
         first = stretch / moment.steps
         time = until if time + stretch >= until * (1 - 1e-12) else time + stretch

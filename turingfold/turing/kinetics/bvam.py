@@ -1,14 +1,12 @@
-"""Kinetics of deviations from a rest state: u and v change sign."""
+"""Kinetics of Barrio, Varea, Aragón and Maini, cubic about the uniform state (0, 0): u and v change sign."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from ...arrays import Array
-from .base import Four, Kinetics, Pair, Point, real_roots
+from .base import Derivatives, Kinetics, Rates, UniformState, real_roots
 
 
 @dataclass(frozen=True)
@@ -29,18 +27,18 @@ class BVAM(Kinetics):
     non_negative: ClassVar[bool] = False
     any_sign: ClassVar[tuple[str, ...]] = ("alpha", "beta", "gamma", "r1", "r2")
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
         cubic, square = self.alpha * self.r1 * u * v * v, self.r2 * u * v
         return self.alpha * u - cubic + v - square, self.beta * v + cubic + self.gamma * u + square
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         by_u = self.alpha * self.r1 * v * v + self.r2 * v
         by_v = 2 * self.alpha * self.r1 * u * v + self.r2 * u
         return self.alpha - by_u, 1 - by_v, self.gamma + by_u, self.beta + by_v
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return (0, 0) and the points of the line (α+γ)u + (1+β)v = 0 where p vanishes."""
         if self.beta == -1:  # u vanishes, and with it v
             return ((0.0, 0.0),)
@@ -66,53 +64,21 @@ class BVAM2012(Kinetics):
     non_negative: ClassVar[bool] = False
     any_sign: ClassVar[tuple[str, ...]] = ("a", "b", "H", "C")
 
-    def rates(self, u: Array, v: Array) -> Pair:
+    def rates(self, u: Array, v: Array) -> Rates:
         """Return p and q."""
-        mixed = self.C * u * v + u * v * v
-        return self.eta * (u + self.a * v - mixed), self.eta * (self.H * u + self.b * v + mixed)
+        coupling = self.C * u * v + u * v * v
+        return self.eta * (u + self.a * v - coupling), self.eta * (self.H * u + self.b * v + coupling)
 
-    def derivatives(self, u: Array, v: Array) -> Four:
+    def derivatives(self, u: Array, v: Array) -> Derivatives:
         """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
         by_u, by_v = self.C * v + v * v, self.C * u + 2 * u * v
         eta = self.eta
         return eta * (1 - by_u), eta * (self.a - by_v), eta * (self.H + by_u), eta * (self.b + by_v)
 
-    def steady_states(self) -> tuple[Point, ...]:
+    def steady_states(self) -> tuple[UniformState, ...]:
         """Return (0, 0) and the points of the line (1+H)u + (a+b)v = 0 where p vanishes."""
         if self.a + self.b == 0:  # u vanishes, and with it v
             return ((0.0, 0.0),)
         s = -(1 + self.H) / (self.a + self.b)
         others = real_roots(-s * s, -self.C * s, 1 + self.a * s)
         return ((0.0, 0.0), *((u, s * u) for u in others if u != 0))
-
-
-@dataclass(frozen=True)
-class FitzHughNagumo(Kinetics):
-    """p = u − u³ − v + κ, q = e_v (u − a_v v − a_z).
-
-    Defaults e_v = 10, a_v = 1, a_z = 0, κ = −0.005, ratio 0.05/0.00028: Rossant, IPython Cookbook (2018),
-    reaction–diffusion recipe (his τ is 1/e_v).
-    """
-
-    e_v: float = 10.0
-    a_v: float = 1.0
-    a_z: float = 0.0
-    kappa: float = -0.005
-    published_ratio: ClassVar[float] = 0.05 / 0.00028
-    non_negative: ClassVar[bool] = False
-    any_sign: ClassVar[tuple[str, ...]] = ("a_v", "a_z", "kappa")
-
-    def rates(self, u: Array, v: Array) -> Pair:
-        """Return p and q."""
-        return u - u**3 - v + self.kappa, self.e_v * (u - self.a_v * v - self.a_z)
-
-    def derivatives(self, u: Array, v: Array) -> Four:
-        """Return ∂p/∂u, ∂p/∂v, ∂q/∂u, ∂q/∂v."""
-        one = np.ones_like(u)
-        return 1 - 3 * u * u, -one, self.e_v * one, -self.e_v * self.a_v * one
-
-    def steady_states(self) -> tuple[Point, ...]:
-        """Return the roots of a_v (u − u³ + κ) = u − a_z with v = u − u³ + κ."""
-        a_v = self.a_v
-        roots = real_roots(-a_v, 0, a_v - 1, a_v * self.kappa + self.a_z)
-        return tuple((u, u - u**3 + self.kappa) for u in roots)

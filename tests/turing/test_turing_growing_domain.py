@@ -12,11 +12,11 @@ from turingfold.growth.histories import Exponential, Logistic
 from turingfold.state import State
 from turingfold.testing import advanced
 from turingfold.turing.evolving import EvolvingTuring, deformed
-from turingfold.turing.growing import march_growing
+from turingfold.turing.growing_domain import march_on_growing_domain
 from turingfold.turing.integrators.rosenbrock import march
-from turingfold.turing.kinetics.concentrations import GrayScott, Schnakenberg
+from turingfold.turing.kinetics.chemical import GrayScott, Schnakenberg
 from turingfold.turing.kinetics.user import UserKinetics
-from turingfold.turing.modes import isolating_ratio, sign_changes
+from turingfold.turing.modes import largest_isolating_ratio, sign_changes
 from turingfold.turing.process import Turing
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
 from turingfold.turing.report import stability_report
@@ -44,7 +44,7 @@ def test_decay_of_a_wave_on_a_growing_strip_is_exact(size):
     start = system.uniform(1.0, 1.0)
     start[0] += np.cos(np.pi * space.nodes[0])
     for n in (1, 2):
-        for moment in march_growing(
+        for moment in march_on_growing_domain(
             system, start, size, until=1.0, dimensions=n, tolerance=1e-6, change=0.01
         ):
             end = moment
@@ -64,7 +64,7 @@ def test_mode_doubling_on_an_exponentially_growing_strip():
     start = system.uniform(1.0, 0.9)
     start[0] += 0.001 * np.cos(np.pi * space.nodes[0])
     seen = {}
-    for moment in march_growing(
+    for moment in march_on_growing_domain(
         system, start, lambda t: float(np.exp(rho * t)), until=285.0, dimensions=1, tolerance=1e-3
     ):
         along = moment.state[0, line]
@@ -84,7 +84,7 @@ def test_mode_doubling_on_an_exponentially_growing_strip():
 def test_a_domain_that_vanishes_is_refused():
     system = problem_a(semi_annulus(24, 1), 2)
     with pytest.raises(ValueError, match=r"size\(2\)=-1 must be positive"):
-        next(march_growing(system, initial_a(system), lambda t: 1.0 - t, until=2.0))
+        next(march_on_growing_domain(system, initial_a(system), lambda t: 1.0 - t, until=2.0))
 
 
 @pytest.fixture(scope="module")
@@ -189,12 +189,12 @@ def test_the_report_lists_the_modes_that_grow(body):
     text = str(found)
     assert text.count("pass") == 4
     assert "12 half waves along" in text
-    largest = isolating_ratio(found.conditions, found.growing[2], list(found.modes))
+    largest = largest_isolating_ratio(found.conditions, found.growing[2], list(found.modes))
     assert f"12 half waves grow alone at ratios up to {largest:.6g}" in text
     assert stability_report(Schnakenberg(), largest, body, 12).isolated
     assert not stability_report(Schnakenberg(), largest * (1 + 1e-6), body, 12).isolated
     with pytest.raises(ValueError, match="shares its eigenvalue"):
-        isolating_ratio(found.conditions, found.growing[2], [replace(found.growing[2], half_waves=3)])
+        largest_isolating_ratio(found.conditions, found.growing[2], [replace(found.growing[2], half_waves=3)])
     assert "FAIL" in str(stability_report(Schnakenberg(), 5.0, body))
 
 
