@@ -423,6 +423,13 @@ def test_compare_reads_outlines(tmp_path, capsys):
     assert main(["compare", str(tmp_path / "plain.csv"), str(tmp_path / "lobed.csv")]) == 0
     (folds,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("folds")]
     assert folds.split()[1:3] == ["0", "6"]
+    (tmp_path / "marks.csv").write_text("name,x_a,y_a,x_b,y_b\nright,1,0,1.2,0\n")
+    names = [str(tmp_path / name) for name in ("plain.csv", "lobed.csv", "marks.csv")]
+    assert main(["compare", *names[:2], "--landmarks", names[2]]) == 0
+    told = capsys.readouterr().out
+    assert "landmark right: at 0.000 and 0.000 of the arcs" in told
+    assert told.count("best circle 1.000") == 3  # the plain outline is one
+    assert main(["compare", *names[:2], "--landmarks", names[0]]) == 2
 
 
 def test_a_case_may_import_a_file_beside_it(tmp_path, monkeypatch, capsys):

@@ -141,7 +141,8 @@ def test_a_sweep_makes_results_a_table_and_a_figure(case, capsys):
     assert [float(row["growth"]) for row in rows] == pytest.approx([1.1, 1.2, 1.3], rel=0.01)
     given = [float(row["TangentialGrowth.cortex"]) for row in rows]
     assert given == pytest.approx([1.1, 1.2, 1.3], rel=1e-15)
-    assert rows[0]["registration"] == ""
+    assert rows[0]["registration"] == rows[0]["registration_p"] == ""
+    assert float(rows[0]["least_fold_depth"]) > 0
     assert main(words) == 2  # they are there already
     assert "--resume" in capsys.readouterr().err
 

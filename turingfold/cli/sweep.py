@@ -23,7 +23,8 @@ from .workers import Outcome
 
 TABLE = "sweep.csv"
 NUMBERS = (
-    "growth", "folds", "gyrification_index", "sulcal_depth", "registration", "energy", "min_jacobian",
+    "growth", "folds", "least_fold_depth", "gyrification_index", "closed_gyrification_index", "sulcal_depth",
+    "registration", "registration_p", "energy", "min_jacobian",
     "self_intersections", "steps", "newton_iterations", "seconds",
 )  # fmt: skip
 SIDE_BY_SIDE = 4  # pictures in a row
