@@ -61,9 +61,13 @@ class FolderLock:
         if not self._own():  # its last holder has removed the file in between
             self.release()
             return False
-        os.ftruncate(descriptor, 0)
-        os.lseek(descriptor, 0, os.SEEK_SET)
-        os.write(descriptor, f"process {os.getpid()} on {platform.node()}".encode())
+        try:
+            os.ftruncate(descriptor, 0)
+            os.lseek(descriptor, 0, os.SEEK_SET)
+            os.write(descriptor, f"process {os.getpid()} on {platform.node()}".encode())
+        except OSError:  # such as of a full disk
+            self.release()
+            raise
         return True
 
     def _own(self) -> bool:
