@@ -185,8 +185,9 @@ def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     where a file is damaged.
     """
     result = read_result(folder, known=known)
-    if result.unfinished:
-        warnings.warn(f"{folder}: {result.unfinished}. {result.message}", UnfinishedWarning, stacklevel=2)
+    if end := result.unfinished:
+        said = result.message if end in result.message else f"{end}. {result.message}"
+        warnings.warn(f"{folder}: {said}", UnfinishedWarning, stacklevel=2)
     return result
 
 
