@@ -55,9 +55,9 @@ def solve_seconds(result: Result, repeats: int = 20) -> list[float]:
     potentials = [term.on(scene.body).during(state, TimeStep(scene.until)) for term in scene.terms]
     x = state["displacement"].T.ravel()
     evaluations = [potential.evaluate(x) for potential in potentials if potential is not None]
-    gatherer = Assembler(len(x), scene.body.fixed)
+    assembler = Assembler(len(x), scene.body.fixed)
     hessians = [evaluation.hessian(0.0) for evaluation in evaluations if evaluation.has_hessian]
-    pattern, values = gatherer.assemble(hessians)
+    pattern, values = assembler.assemble(hessians)
     solver, load = solver_for(pattern), np.ones(pattern.n)
     times = []
     for _ in range(repeats):

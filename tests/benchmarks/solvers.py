@@ -17,26 +17,26 @@ from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import cg
 
 from turingfold.arrays import Array
+from turingfold.parts import TimeStep
 from turingfold.solve.linear import Cholmod, SuperLu
-from turingfold.solve.march import acting, begin, discretised, processed
-from turingfold.solve.sparsity import Assembler, Pattern
+from turingfold.solve.problem import Problem, configuration
+from turingfold.solve.sparsity import Assembler, Sparsity
 
 AT = 0.3  # of the growth path
 
 
-def tangent(elements: float) -> tuple[Pattern, Array, Array]:
-    """Return pattern and values of the tangent, and the rigid motions of its unknowns, (n, 3)."""
+def tangent(elements: float) -> tuple[Sparsity, Array, Array]:
+    """Return sparsity and values of the tangent, and the rigid motions of its unknowns, (n, 3)."""
     scene = growth_path(brain(elements))
-    operators, held = discretised(scene)
-    start = begin(scene).state
-    state = start.updated(AT, **processed(scene, start, AT))
-    nodes = scene.body.nodes
-    gatherer = Assembler(nodes.size, held)
-    at = [potential.evaluate(np.zeros(nodes.size)) for potential in acting(operators, state, AT)]
-    pattern, values = gatherer.assemble([e.hessian(0.0) for e in at])
-    node, along_x = gatherer.free // 2, gatherer.free % 2 == 0
+    problem, nodes = Problem(scene), scene.body.nodes
+    state = problem.processed(problem.start(), AT)
+    at = configuration(problem.potentials(state, TimeStep(AT)), np.zeros(nodes.size))
+    assert at is not None
+    assembler = Assembler(problem.n_dofs, problem.held)
+    sparsity, values = assembler.assemble(at.hessians(0.0))
+    node, along_x = assembler.free // 2, assembler.free % 2 == 0
     turned = np.where(along_x, -nodes[1, node], nodes[0, node]) / scene.body.length
-    return pattern, values, np.stack([along_x, ~along_x, turned], axis=1).astype(float)
+    return sparsity, values, np.stack([along_x, ~along_x, turned], axis=1).astype(float)
 
 
 def seconds(work: Callable[[], object]) -> float:
@@ -59,9 +59,9 @@ def multigrid(K: csr_matrix, rigid: Array, load: Array) -> int:
     return len(steps)
 
 
-def direct(kind: type[Cholmod] | type[SuperLu], pattern: Pattern, values: Array, load: Array) -> float:
+def direct(kind: type[Cholmod] | type[SuperLu], sparsity: Sparsity, values: Array, load: Array) -> float:
     """Return the time of a factorisation and a solve."""
-    solver = kind(pattern)
+    solver = kind(sparsity)
 
     def work() -> None:
         solver.factorize(values)
@@ -73,15 +73,15 @@ def direct(kind: type[Cholmod] | type[SuperLu], pattern: Pattern, values: Array,
 
 def report(elements: float) -> str:
     """Return the times on one mesh as a line."""
-    pattern, values, rigid = tangent(elements)
-    load = np.random.default_rng(0).standard_normal(pattern.n)
-    half = pattern.lower(values)
+    sparsity, values, rigid = tangent(elements)
+    load = np.random.default_rng(0).standard_normal(sparsity.n)
+    half = sparsity.lower(values)
     K = (half + tril(half, -1).T).tocsr()
-    unit = direct(Cholmod, pattern, values, load)
-    superlu = direct(SuperLu, pattern, values, load) / unit
+    unit = direct(Cholmod, sparsity, values, load)
+    superlu = direct(SuperLu, sparsity, values, load) / unit
     amg, steps = seconds(lambda: multigrid(K, rigid, load)) / unit, multigrid(K, rigid, load)
     return (
-        f"{pattern.n} unknowns: CHOLMOD {unit:.3f} s; in units of it SuperLU {superlu:.3g}, pyamg {amg:.3g} "
+        f"{sparsity.n} unknowns: CHOLMOD {unit:.3f} s; in units of it SuperLU {superlu:.3g}, pyamg {amg:.3g} "
         f"({steps} iterations)"
     )
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import eigsh
 from test_ferret import CASES, folds, index
 

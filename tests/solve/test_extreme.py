@@ -164,6 +164,7 @@ def test_time_limit():
     assert not steps
 
 
+@pytest.mark.filterwarnings("ignore:a half width of 4")  # lengths in other units
 def test_binary_units_change_not_one_bit():
     """Lengths in units of 2^-10 m only change exponents, unless some tolerance is an absolute length."""
     metres, _ = examine(scene(layers=1))
@@ -173,6 +174,7 @@ def test_binary_units_change_not_one_bit():
         assert np.array_equal(one.state["displacement"], 2.0**-10 * other.state["displacement"])
 
 
+@pytest.mark.filterwarnings("ignore:a half width of 4")  # lengths in other units
 def test_millimetres_take_the_same_steps_as_metres():
     """The same body in mm, moduli in Pa: line tension and lengths are 1000 times larger, and rounded anew."""
     metres, _ = examine(scene())

@@ -12,7 +12,7 @@ from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.laws import TangentialGrowth
-from turingfold.parts import Entries, Hessian, Potential
+from turingfold.parts import Entries, Evaluation, Evolution, Hessian, Operator, Potential, Process, Term
 from turingfold.results.simulate import simulate
 from turingfold.scene import Scene
 from turingfold.solve.march import Progress, march
@@ -38,28 +38,26 @@ LOADS = -1.5 * LIMIT, 1.5 * LIMIT  # at t = 0 and t = 1
 
 
 @dataclass(frozen=True)
-class Truss:
+class Truss(Term):
     """Two bars of stiffness 1 meet at the last node, which a load pushes down; springs hold the others.
 
     Energy Σ ½ (l - l₀)² + p w, with p from LOADS[0] at t = 0 to LOADS[1] at t = 1, and constant outside.
     """
-
-    reads = ()
 
     def on(self, body):
         return TrussOperator(2 * body.nodes.shape[1])
 
 
 @dataclass
-class TrussOperator:
+class TrussOperator(Operator):
     n: int
-    grounds = True
+    resists_rigid_motions = True
 
     def __post_init__(self):
-        self.rows = np.concatenate([np.arange(self.n), [self.n - 1]])
-        self.columns = np.concatenate([np.arange(self.n), [self.n - 2]])
+        own = np.arange(self.n)
+        self.entries = Entries(np.append(own, self.n - 1), np.append(own, self.n - 2))
 
-    def during(self, state, dt):
+    def during(self, state, step):
         return TrussPotential(self, np.interp(state.time, [0, 1], LOADS))
 
 
@@ -72,9 +70,7 @@ class TrussPotential(Potential):
         return TrussEvaluation(self, x)
 
 
-class TrussEvaluation:
-    curved, grain = True, 0.0
-
+class TrussEvaluation(Evaluation):
     def __init__(self, potential, x):
         self.potential, self.x = potential, x
         foot = np.array([[-SPAN, -HEIGHT], [SPAN, -HEIGHT]])
@@ -96,7 +92,7 @@ class TrussEvaluation:
         operator = self.potential.operator
         values = np.ones(operator.n + 1)
         values[-3:] = block[0, 0], block[1, 1], block[1, 0]
-        return Hessian(operator.rows, operator.columns, values, lasting=True)
+        return Hessian(operator.entries, values)
 
 
 BODY = semicircle(radius=1.0, thickness=0.3, size=0.5)
@@ -181,7 +177,7 @@ def test_a_path_ends_where_it_is_told():
 
 
 @dataclass(frozen=True)
-class Bent:
+class Bent(Term):
     """A force at the last node that is piecewise linear in its displacement u, against a load of 3 t.
 
     Its slope is `stiffness` below u = 1/stiffness and above u = 1.5/stiffness, and the opposite in between:
@@ -189,22 +185,23 @@ class Bent:
     """
 
     stiffness: float
-    reads = ()
 
     def on(self, body):
-        return BentOperator(2 * body.nodes.shape[1], self.stiffness)
+        return BentOperator(diagonal(body), self.stiffness)
+
+
+def diagonal(body):
+    places = np.arange(body.nodes.size)
+    return Entries(places, places)
 
 
 @dataclass(frozen=True)
-class BentOperator:
-    n: int
+class BentOperator(Operator):
+    entries: Entries
     stiffness: float
-    grounds = True
+    resists_rigid_motions = True
 
-    def __post_init__(self):
-        object.__setattr__(self, "places", np.arange(self.n))
-
-    def during(self, state, dt):
+    def during(self, state, step):
         return BentPotential(self, 3 * state.time)
 
 
@@ -217,9 +214,7 @@ class BentPotential(Potential):
         return BentEvaluation(self, x)
 
 
-class BentEvaluation:
-    curved, grain = True, 0.0
-
+class BentEvaluation(Evaluation):
     def __init__(self, potential, x):
         self.potential, self.x, self.k = potential, x, potential.operator.stiffness
         self.u = x[-1] * self.k
@@ -236,8 +231,7 @@ class BentEvaluation:
     def hessian(self, convexity):
         values = np.ones(len(self.x))
         values[-1] = -self.k if 1 < self.u < 1.5 else self.k
-        places = self.potential.operator.places
-        return Hessian(Entries(places, places), values)
+        return Hessian(self.potential.operator.entries, values)
 
 
 @pytest.mark.parametrize("stiffness", [0.3, 1.0, 3.0, 100.0])
@@ -263,9 +257,10 @@ def test_processes_are_asked_only_for_times_of_the_scene(monkeypatch, start, goe
     u = 3 * start if goes_on < 0 else 2 - 3 * start
     place = Place(np.append(np.zeros(2 * BODY.nodes.shape[1] - 1), u / 3.0), start, {})
     last = corrector.correct(place, Direction(np.zeros_like(place.x), -goes_on))
-    asked, processed = [], corrector.path.processed
+    asked, problem = [], corrector.path.problem
+    processed = problem.processed
     monkeypatch.setattr(
-        corrector.path, "processed", lambda state, dt: asked.append(state.time + dt) or processed(state, dt)
+        problem, "processed", lambda before, dt: asked.append(before.time + dt) or processed(before, dt)
     )
     if goes_on > 0:
         assert corrector.around(last, 0.06).tangent.time > 0
@@ -278,11 +273,12 @@ def test_processes_are_asked_only_for_times_of_the_scene(monkeypatch, start, goe
 
 def test_a_corrector_that_fails_has_moved_no_more_often_than_it_may(monkeypatch):
     corrector = Corrector(replace(truss(), stepping=Stepping(tolerance=1e-30)), 1.0)
-    moves, moved = [], corrector._moved
-    monkeypatch.setattr(corrector, "_moved", lambda *where: moves.append(where) or moved(*where))
+    asked, problem = [], corrector.path.problem
+    processed = problem.processed
+    monkeypatch.setattr(problem, "processed", lambda *when: asked.append(when) or processed(*when))
     with pytest.raises(NotConvergedError, match="10 iterations"):
         corrector.correct(corrector.start, Direction(np.zeros_like(corrector.start.x), 1.0))
-    assert len(moves) == 10
+    assert len(asked) == 2 * 11  # at the start and after each of ten moves, there and a little later
 
 
 def test_limit_points_and_what_is_there_are_interpolated():
@@ -302,27 +298,22 @@ def test_limit_points_and_what_is_there_are_interpolated():
 
 
 @dataclass(frozen=True)
-class Ring:
+class Ring(Term):
     """A force (u + 2)² + (t - ½)² - r² at the last node: its equilibria are a circle, not seen from t = 0."""
 
-    reads = ()
-
     def on(self, body):
-        return RingOperator(2 * body.nodes.shape[1])
+        return RingOperator(diagonal(body))
 
 
 RADIUS = 0.3
 
 
 @dataclass(frozen=True)
-class RingOperator:
-    n: int
-    grounds = True
+class RingOperator(Operator):
+    entries: Entries
+    resists_rigid_motions = True
 
-    def __post_init__(self):
-        object.__setattr__(self, "places", np.arange(self.n))
-
-    def during(self, state, dt):
+    def during(self, state, step):
         return RingPotential(self, state.time)
 
 
@@ -335,11 +326,9 @@ class RingPotential(Potential):
         return RingEvaluation(self, x)
 
 
-class RingEvaluation:
-    curved, grain = True, 0.0
-
+class RingEvaluation(Evaluation):
     def __init__(self, potential, x):
-        self.x, self.places = x, potential.operator.places
+        self.x, self.entries = x, potential.operator.entries
         self.u, self.rest = x[-1] + 2, (potential.time - 0.5) ** 2 - RADIUS**2
         self.energy = 0.5 * float(x[:-1] @ x[:-1]) + float(self.u**3 / 3 + self.rest * self.u)
 
@@ -351,7 +340,7 @@ class RingEvaluation:
     def hessian(self, convexity):
         values = np.ones(len(self.x))
         values[-1] = 2 * self.u
-        return Hessian(self.places, self.places, values, lasting=True)
+        return Hessian(self.entries, values)
 
 
 @pytest.mark.parametrize("backward", [False, True])
@@ -453,24 +442,38 @@ def test_without_a_limit_point_the_states_are_those_of_a_march(element):
 
 
 @dataclass(frozen=True)
-class Compounding:
+class Compounding(Process):
     """Growth that multiplies what is there at every step."""
 
-    reads = ()
     writes = ("growth",)
 
-    def start(self, body, state, seed):
-        return {"growth": np.ones((3, *body.quadrature.weights.shape))}
+    def on(self, body):
+        return Compounded(self, np.ones((3, *body.quadrature.weights.shape)))
 
-    def advance(self, body, state, dt):
-        return {"growth": state["growth"] * (1 + dt)}
+    def factor(self, before, now):
+        return 1 + now - before
+
+
+@dataclass(frozen=True)
+class Compounded(Evolution):
+    law: Compounding
+    none: np.ndarray
+
+    def start(self, state, seed):
+        return {"growth": self.none}
+
+    def advance(self, before, now, dt):
+        return {"growth": before["growth"] * self.law.factor(before.time, now.time)}
 
 
 @dataclass(frozen=True)
 class Waiting(Compounding):
-    """Growth that reads the last equilibrium."""
+    """Growth that is read off the last equilibrium, so that it changes with nothing but the displacement."""
 
-    reads = ("displacement",)
+    reads: tuple[str, ...] = ("displacement",)
+
+    def factor(self, before, now):
+        return 1.0
 
 
 SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
@@ -484,7 +487,9 @@ def test_terms_that_resist_motion_are_refused(term):
     assert at_rest(growing(term)).terms == growing().terms
 
 
-@pytest.mark.parametrize("process", [Compounding(), Waiting()])
+@pytest.mark.parametrize(
+    "process", [Compounding(), Waiting(), Waiting(("cauchy_stress",))], ids=["steps", "place", "stress"]
+)
 def test_processes_that_remember_are_refused(process):
     with pytest.raises(ValueError, match=type(process).__name__):
         equilibria(replace(growing(), processes=(process,)))
@@ -496,9 +501,9 @@ class Late(Compounding):
 
     share: float = 1.0
 
-    def advance(self, body, state, dt):
-        late = state.time + self.share * dt > 0.7
-        return {"growth": state["growth"] * (1 + dt)} if late else {}
+    def factor(self, before, now):
+        late = before + self.share * (now - before) > 0.7
+        return 1 + now - before if late else 1.0
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
@@ -522,10 +527,10 @@ def test_processes_with_arrays_are_told_apart():
 
 
 def test_nothing_is_made_for_a_scene_that_is_refused(monkeypatch):
-    def made(self, body, state, seed):
+    def made(self, body):
         raise AssertionError
 
-    monkeypatch.setattr(TangentialGrowth, "start", made)
+    monkeypatch.setattr(TangentialGrowth, "on", made)
     with pytest.raises(ValueError, match="Drag"):
         equilibria(growing(RESISTING[0]))
     with pytest.raises(ValueError, match="Drag"):
@@ -553,14 +558,8 @@ def test_a_path_stops_at_the_time_limit():
 
 
 def test_a_step_that_ends_after_the_time_limit_is_kept(monkeypatch):
-    clock, step = [0.0], arclength._step
-
-    def slow(*options):
-        clock[0] += 10.0
-        return step(*options)
-
-    monkeypatch.setattr(arclength, "perf_counter", lambda: clock[0])
-    monkeypatch.setattr(arclength, "_step", slow)
+    clock = iter([0.0, 0.0, 10.0, 20.0])  # looked at when the path begins and before each step
+    monkeypatch.setattr(arclength, "perf_counter", lambda: next(clock))
     with pytest.raises(PathStoppedError, match="after 3 points") as caught:
         equilibria(replace(truss(), stepping=Stepping(seconds=15.0)))
     message_names(caught.value, "15 s", "Stepping(seconds=...)", "start")

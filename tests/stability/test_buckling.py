@@ -1,5 +1,6 @@
 """Buckling against independent thresholds: half discs, strips; half bodies, limit points, branches."""
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -22,10 +23,10 @@ from turingfold.stability.fundamental_path import FundamentalPath
 from turingfold.stepping import Stepping
 from turingfold.terms.dynamics import Drag
 from turingfold.terms.elastic.material import NeoHookean
-from turingfold.terms.elastic.mixed import MixedOperator
 from turingfold.terms.elastic.term import Elastic
 
 CORE = NeoHookean(mu=1.0, kappa=5.0)
+Mixed = partial(Elastic, element="mixed")
 COARSE = Stepping(first=0.1, largest=0.1)
 DOCUMENT_1 = {"gray": NeoHookean.from_young(1389.0, 0.4583), "white": NeoHookean.from_young(1895.0, 0.4583)}
 REFERENCE = {  # thickness over radius, ratio of moduli, layers, out of plane: growth and half waves
@@ -36,14 +37,6 @@ REFERENCE = {  # thickness over radius, ratio of moduli, layers, out of plane: g
     (0.1, 3.0, "sharp", "fixed"): (1.3445, 9),
     (0.1, 10.0, "sharp", "fixed"): (1.1716, 6),
 }
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mixed(Elastic):
-    """Elasticity with the mixed element."""
-
-    def on(self, body):
-        return MixedOperator(body, *self.moduli(body))
 
 
 def grown(body, *, cortex=2.0, ratio=1.0, out_of_plane="fixed", stepping=COARSE, term=None):

@@ -250,7 +250,7 @@ class Loaded(Operator):
     forces: np.ndarray
 
     def during(self, state, step):
-        return DeadTension(self, state.time * self.forces)
+        return DeadTension(state.time * self.forces)
 
 
 def membrane(n, rounds):

@@ -30,8 +30,9 @@ def refuse_motion(scene: Scene) -> None:
             raise ValueError(
                 f"terms holds {term!r}, which resists motion; a path of equilibria has none. Leave it out."
             )
+    of_equilibria = {"displacement", *(name for term in scene.terms for name in term.writes)}
     for process in scene.processes:
-        if process.remembers:
+        if process.remembers or of_equilibria.intersection((*process.reads, *process.optional)):
             raise _remembers(process)
 
 

@@ -121,9 +121,9 @@ class TensionOperator(Operator):
             return None
         pattern = self.pattern(state)
         if term.surface == "pial":
-            return DeadTension(self, rise * self._tractions(pattern))
+            return DeadTension(rise * self._tractions(pattern))
         line = rise * term.strength * np.einsum("km,kg->gm", self._weight(pattern), SHAPES)
-        return FollowerTension(self, line) if term.follower else DeadTension(self, self._line_forces(line))
+        return FollowerTension(self, line) if term.follower else DeadTension(self._line_forces(line))
 
     def _weight(self, pattern: Array) -> Array:
         return 1.0 - pattern if self.term.direction == "between-peaks" else pattern
@@ -154,7 +154,6 @@ class TensionOperator(Operator):
 class DeadTension(Potential):
     """Forces that do not change with the displacement: energy -f·x."""
 
-    operator: TensionOperator
     forces: Array
 
     def evaluate(self, x: Array) -> DeadEvaluation:
