@@ -13,6 +13,7 @@ from turingfold.geometry.body import by_node
 from turingfold.morphometry.walls import self_intersections
 from turingfold.parts import TimeStep
 from turingfold.terms.dynamics import mass
+from turingfold.terms.quadratic_energy import SymmetricMatrix
 
 SEEDS = (0, 1, 2, 3)
 
@@ -30,22 +31,11 @@ def least_eigenvalue(scene, state):
     """Return the least eigenvalue of the energy's Hessian without drag, per mass of density 1."""
     body, x = scene.body, by_node(state["displacement"])
     free = np.setdiff1d(np.arange(len(x)), body.supported)
-
-    def matrix(rows, columns, values):
-        lower = csc_matrix((np.ravel(values), (np.ravel(rows), np.ravel(columns))), shape=2 * x.shape)
-        whole = lower + lower.T
-        whole.setdiag(lower.diagonal())
-        return whole[free][:, free]
-
     elastic, walls, _ = scene.terms
-    total = csc_matrix(2 * free.shape)
-    for term in (elastic, walls):
-        at = term.on(body).during(state, TimeStep(1.0)).evaluate(x)
-        if at.has_hessian:
-            hessian = at.hessian(0.0)
-            total = total + matrix(hessian.entries.rows, hessian.entries.columns, hessian.values)
-    weights = mass(body, 1.0).whole.tocsc()[free][:, free]
-    return eigsh(total, 1, weights, sigma=-400.0, return_eigenvectors=False)[0]
+    parts = [term.on(body).during(state, TimeStep(1.0)).evaluate(x) for term in (elastic, walls)]
+    total = sum(SymmetricMatrix.from_lower(at.hessian(0.0), len(x)).whole for at in parts if at.has_hessian)
+    stiffness, weights = (matrix[free][:, free].tocsc() for matrix in (total, mass(body, 1.0).whole))
+    return eigsh(stiffness, 1, weights, sigma=-400.0, return_eigenvectors=False)[0]
 
 
 @pytest.mark.slow

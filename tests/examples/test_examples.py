@@ -2,6 +2,7 @@
 
 import ast
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -92,12 +93,14 @@ def test_the_pulled_core(body):
     )  # fmt: skip
     states, gray = simulate(scene).states, cortex_indicator(body)
     core = np.ones_like(gray)
-    for before, now in zip(states[:-1], states[1:], strict=True):
-        pull = 0.5 * (stress_of(body, before)[0, 0] + stress_of(body, before)[1, 1])
+    for before, now in pairwise(states):
+        stress = stress_of(body, before)
+        pull = 0.5 * (stress[0, 0] + stress[1, 1])
         core = core * np.exp((1 - gray) * 1e-3 * (now.time - before.time) * pull)
         expected = np.stack([(1 + 0.4 * gray * now.time) * core, core, np.ones_like(core)])
         np.testing.assert_allclose(now["growth"], expected, rtol=1e-12)
-    assert (core[:, ~body.in_cortex].mean() > 1.02) and (core[:, body.in_cortex] == 1).all()
+    assert core[:, ~body.in_cortex].mean() > 1.02
+    assert (core[:, body.in_cortex] == 1).all()
 
 
 def stress_of(body, state):

@@ -19,6 +19,7 @@ def negative_pivots(sparsity: Sparsity, values: Array) -> int:
 
 
 SHIFTS = (1e-10, -1e-10, 1e-8)  # of the diagonal, in units of the largest entry
+UNSEEN = 1e-3  # relative change of a solution by such a shift
 
 
 @dataclass(frozen=True)
@@ -56,14 +57,17 @@ class Indefinite:
         """Return the factors; raises NotConvergedError for a singular matrix.
 
         A pivot that comes out as zero by chance is avoided by a shift of the diagonal far below the smallest
-        eigenvalue that is of use; the shift is tried at a few sizes.
+        eigenvalue that is of use; the shift is tried at a few sizes, and must not show in a solution.
         """
-        largest = float(np.abs(values).max())
-        for shift in (0.0, *SHIFTS):
+        largest, b = float(np.abs(values).max()), np.cos(np.arange(self._n))
+        for shift in (0.0, *(share * largest for share in SHIFTS)):
             try:
-                return self._factors(values + shift * largest * self._on_diagonal if shift else values)
+                found = self._factors(values + shift * self._on_diagonal if shift else values)
             except NotConvergedError as error:
                 failed = error
+                continue
+            if not shift or abs(shift) * np.linalg.norm(found.solve(b)) < UNSEEN * np.linalg.norm(b):
+                return found
         raise failed
 
     def _factors(self, values: Array) -> Factors:
