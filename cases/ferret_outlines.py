@@ -47,7 +47,7 @@ def scenes(
     found = {}
     for side, until in {"left": until_left, "right": until_right}.items():
         options = {"thickness": thickness, "elements": elements, "layers": "sigmoid"}
-        body = outline(section(side, 1), smooth=0.04, tight="trim", **options)
+        body = outline(section(side, 1), smooth=0.04, **options)
         grow = RateGrowth(rate=rate, thinning=thinning, zones=(ferret.BOTTOM,))
         terms = (ferret.tissue(bulk=bulk), SelfContact())
         found[side] = Scene(body=body, processes=(grow,), terms=terms, until=until)

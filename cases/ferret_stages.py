@@ -22,7 +22,7 @@ from turingfold import (
     ferret,
     figures,
     outline,
-    retraced,
+    remeshed,
     run_case,
     simulate,
 )
@@ -47,7 +47,7 @@ def scenes(
     for name, duration in STAGES.items():
         if found:
             before = simulate(found[list(found)[-1]]).last
-            body = retraced(body, before, size=size, inset=inset)
+            body = remeshed(body, before, size=size, inset=inset)
         found[name] = Scene(
             body=body, processes=processes, terms=terms, until=duration / shorter, seed=seed,
             stepping=stepping,

@@ -67,7 +67,7 @@ from .outlines.mask import mask_outline as mask_outline
 from .outlines.mask import sections as sections
 from .outlines.read import Contours as Contours
 from .outlines.read import read_outline as read_outline
-from .outlines.remesh import retraced as retraced
+from .outlines.remesh import remeshed as remeshed
 from .outlines.section import Section as Section
 from .outlines.surface import surface_section as surface_section
 from .results.files import CorruptFileError as CorruptFileError

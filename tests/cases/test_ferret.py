@@ -27,7 +27,7 @@ from turingfold.morphometry.folds import find_folds, fold_count
 from turingfold.morphometry.shape import gyrification_index
 from turingfold.morphometry.walls import self_intersections
 from turingfold.outlines import outline
-from turingfold.outlines.remesh import retraced
+from turingfold.outlines.remesh import remeshed
 from turingfold.results.result import Result, pial_closed
 from turingfold.stability.buckling import buckling
 from turingfold.state import State
@@ -115,7 +115,7 @@ def test_a_traced_section_keeps_its_shape_but_for_the_inset():
     body = outline(np.stack([np.cos(at), np.sin(at)]), thickness=0.1, size=0.05)
     x, y = body.nodes
     moved = State(1.0, {"displacement": np.stack([0.2 * x, 0.1 * x * y])})
-    new = retraced(body, moved, size=0.05, inset=0.01)
+    new = remeshed(body, moved, size=0.05, inset=0.01)
     # the map (1.2 x, y + 0.1 x y) has the area 1.2 ∫ (1 + 0.1 x); the inset takes its perimeter times 0.01
     fine = np.linspace(0, 2 * np.pi, 20_001)
     around = np.stack([1.2 * np.cos(fine), np.sin(fine) * (1 + 0.1 * np.cos(fine))])
@@ -131,7 +131,7 @@ def test_a_traced_section_keeps_its_shape_but_for_the_inset():
 def test_tracing_opens_sulci_that_touch():
     at = 2 * np.pi * np.arange(400) / 400
     radius = 1.0 - 0.4 * np.exp(-(((at - np.pi) / 0.1) ** 2))
-    body = outline(radius * np.stack([np.cos(at), np.sin(at)]), thickness=0.1, size=0.05, tight="trim")
+    body = outline(radius * np.stack([np.cos(at), np.sin(at)]), thickness=0.1, size=0.05)
     x, y = body.nodes
     # press the two walls of the notch at (-1, 0) together to a tenth of their distance
     near = np.clip((-x - 0.55) / 0.1, 0.0, 1.0) * np.clip(1.5 - np.abs(y) / 0.2, 0.0, 1.0)
@@ -139,7 +139,7 @@ def test_tracing_opens_sulci_that_touch():
     pressed = State(1.0, {"displacement": np.stack([0 * x, inward * near])})
     before = (body.nodes + pressed["displacement"])[:, body.pial]
     assert self_intersections(before, closed=True) == 0
-    new = retraced(body, pressed, size=0.05, inset=0.02)
+    new = remeshed(body, pressed, size=0.05, inset=0.02)
     surface = new.nodes[:, new.pial]
     assert self_intersections(surface, closed=True) == 0
     notch = surface[:, (surface[0] < -0.7) & (np.abs(surface[1]) < 0.3)]
@@ -151,9 +151,9 @@ def test_tracing_is_refused_for_open_surfaces_and_large_insets():
     body = brain(0.2, 2)
     still = State(0.0, {"displacement": np.zeros_like(body.nodes)})
     with pytest.raises(ValueError, match="closed pial surface"):
-        retraced(body, still, size=0.1, inset=0.01)
+        remeshed(body, still, size=0.1, inset=0.01)
     with pytest.raises(ValueError, match=r"inset=0\.2"):
-        retraced(body, still, size=0.1, inset=0.2)
+        remeshed(body, still, size=0.1, inset=0.2)
 
 
 def test_panels_show_name_numbers_and_note_on_one_scale():

@@ -1,4 +1,5 @@
 """A body from any triangle mesh: orientation, paths, layers, integration, constraints, refusals."""
+
 import numpy as np
 import pytest
 from checks import message_names
@@ -7,7 +8,8 @@ from hypothesis import strategies as st
 from skfem import MeshQuad, MeshTri1, MeshTri2
 
 from turingfold.geometry.body import Body
-from turingfold.geometry.curve import Curve, chain
+from turingfold.geometry.curve import Curve
+from turingfold.geometry.paths import chains
 from turingfold.geometry.shapes import semicircle
 
 
@@ -215,41 +217,111 @@ def test_nearest_is_no_farther_than_any_sampled_point(seed):
     assert (distance >= gaps - 0.01).all()
 
 
-def test_edges_chain_in_any_order():
+def test_edges_chain_in_any_order_and_part_by_part():
     order = np.random.default_rng(0).permutation(9)
-    path, closed = chain(np.stack([np.arange(9), np.arange(1, 10)])[:, order], "a line")
+    line, ring = np.stack([np.arange(9), np.arange(1, 10)]), np.stack([np.arange(9), (np.arange(9) + 1) % 9])
+    ((path, closed),) = chains(line[:, order], "a line")
     assert not closed
     assert path.tolist() in (list(range(10)), list(range(9, -1, -1)))
-    ring, closed = chain(np.stack([np.arange(9), (np.arange(9) + 1) % 9])[:, order], "a ring")
+    ((path, closed),) = chains(ring[:, order], "a ring")
     assert closed
-    assert sorted(ring.tolist()) == list(range(9))
-    assert set(np.abs(np.diff(ring)).tolist()) <= {1, 8}
+    assert sorted(path.tolist()) == list(range(9))
+    assert set(np.abs(np.diff(path)).tolist()) <= {1, 8}
+    both = np.concatenate([ring, 20 + line], axis=1)[:, np.random.default_rng(1).permutation(18)]
+    found = {closed: sorted(path.tolist()) for path, closed in chains(both, "both")}
+    assert found == {True: list(range(9)), False: list(range(20, 30))}
 
 
-@pytest.mark.parametrize(
-    ("pairs", "words"),
-    [
-        ([[0, 1, 1], [1, 2, 3]], ("3 ends", "1 branches", "one connected part")),
-        ([[0, 2], [1, 3]], ("4 ends", "one connected part")),
-        ([[0, 1, 2, 5], [1, 2, 0, 6]], ("fall apart", "2 of 5", "one connected part")),
-    ],
-)
-def test_edges_that_make_no_single_curve_are_refused(pairs, words):
-    with pytest.raises(ValueError, match="the edges of boundary 'pial'") as failure:
-        chain(np.array(pairs), "boundary 'pial'")
-    message_names(failure.value, *words)
+def test_edges_that_branch_are_refused():
+    with pytest.raises(ValueError, match="the edges of boundary 'pial' branch at 1 vertices"):
+        chains(np.array([[0, 1, 1], [1, 2, 3]]), "boundary 'pial'")
 
 
-def test_a_surface_or_interface_in_two_parts_is_refused_by_its_name():
+def test_a_surface_or_interface_in_two_parts_is_known_by_its_parts():
     mesh = MeshTri1.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
     sides = {"pial": lambda p: (p[0] == 0) | (p[0] == 1), "base": lambda p: p[1] == 0}
-    with pytest.raises(ValueError, match="the edges of boundary 'pial' make a curve with 4 ends"):
-        Body(mesh.with_boundaries(sides), 0.3)
     gray = {"cortex": lambda p: (p[0] < 0.25) | (p[0] > 0.75)}
-    sides = {"pial": lambda p: p[1] == 1, "base": lambda p: p[1] == 0}
-    body = Body(mesh.with_boundaries(sides).with_subdomains(gray), 0.3)
-    with pytest.raises(ValueError, match="the edges of the gray-white interface make a curve with 4 ends"):
-        _ = body.interface
+    body = Body(mesh.with_boundaries(sides).with_subdomains(gray), 0.25)
+    for paths, x in ((body.pial_paths, (0, 1)), (body.interface_paths, (0.25, 0.75))):
+        assert sorted(float(body.nodes[0, path.nodes].mean()) for path in paths) == pytest.approx(x)
+        for path in paths:  # tissue, or white matter, on the left
+            up = np.diff(body.nodes[1, path.nodes])
+            assert (np.sign(up) == (1 if body.nodes[0, path.nodes[0]] > 0.5 else -1)).all()
+    for name, plural in (
+        ("pial", "pial_paths"),
+        ("pial_curve", "pial_paths"),
+        ("interface", "interface_paths"),
+    ):
+        with pytest.raises(ValueError, match=rf"has 2 parts, and one is needed here.*{plural}"):
+            getattr(body, name)
+    x = body.quadrature.points[0]
+    assert body.depth == pytest.approx(np.minimum(x, 1 - x), abs=1e-12)
+    assert body.pial_curves.length == pytest.approx(2.0)
+
+
+def test_every_part_of_a_body_is_held_by_itself():
+    one, other = (
+        MeshTri1.init_circle(2, smoothed=True).scaled(r).translated((x, 0.0))
+        for r, x in ((1.0, 0.0), (2.0, 4.0))
+    )
+    mesh = one + other
+    body = Body(mesh.with_boundaries({"pial": mesh.boundary_facets()}), 0.5, "free")
+    assert len(body.pial_paths) == 2
+    assert body.pial_paths[0].nodes.shape == body.pial_paths[1].nodes.shape
+    assert np.ptp(body.nodes[0, body.pial_paths[0].nodes]) == pytest.approx(4.0)  # the longest first
+    x, y = body.nodes
+    left = x < 1.5
+    modes = [
+        np.stack(m).T.ravel()
+        for k in (left, ~left)
+        for m in ((1.0 * k, 0 * x), (0 * x, 1.0 * k), (-y * k, x * k))
+    ]
+    assert len(body.fixed) == 6
+    assert np.linalg.matrix_rank(np.stack(modes)[:, body.fixed]) == 6
+
+
+@pytest.mark.parametrize("hole", ["free", "clamped"])
+def test_the_wall_of_a_hole_is_held_where_it_is_clamped(hole):
+    angles, radii = np.linspace(0, 2 * np.pi, 25), np.linspace(0.4, 1.0, 5)
+    grid = MeshTri1.init_tensor(radii, angles[:-1])
+    p = np.stack([grid.p[0] * np.cos(grid.p[1]), grid.p[0] * np.sin(grid.p[1])])
+    n, m = len(radii), len(angles) - 1
+    index = np.array(
+        [[np.argmin(np.hypot(grid.p[0] - r, grid.p[1] - a)) for r in radii] for a in angles[:-1]]
+    )
+    around = np.roll(index, -1, axis=0)
+    quads = [
+        (index[j, i], index[j, i + 1], around[j, i + 1], around[j, i]) for j in range(m) for i in range(n - 1)
+    ]
+    t = np.array([tri for a, b, c, d in quads for tri in ((a, b, c), (a, c, d))]).T
+    mesh = MeshTri1(p, t).with_boundaries(
+        {"pial": lambda q: np.hypot(*q) > 0.95, "hole": lambda q: np.hypot(*q) < 0.45}
+    )
+    body = Body(mesh, 0.2, "free", hole=hole)
+    wall = np.flatnonzero(np.hypot(*body.nodes) < 0.41)
+    held = set(np.concatenate([2 * wall, 2 * wall + 1]).tolist()) if hole == "clamped" else set()
+    assert set(body.supported.tolist()) == held
+    assert len(body.fixed) == (len(held) or 3)
+    (inner,) = body.boundary_paths("hole")
+    assert area_of(body.nodes[:, inner.nodes]) < 0  # tissue on the left: clockwise around the hole
+
+
+def test_between_two_surfaces_depth_is_a_share_of_the_way():
+    # pial y = 1, interface y = 0.4 + 0.2 x: where these are straight the distances are known
+    mesh = MeshTri1.init_tensor(np.linspace(0, 2, 41), np.linspace(0, 1, 21))
+    p = mesh.p.copy()
+    white = 0.4 + 0.2 * p[0]
+    p[1] = np.where(p[1] >= 0.5, 1 - (1 - p[1]) / 0.5 * (1 - white), p[1] / 0.5 * white)
+    sides = {"pial": lambda q: q[1] == 1, "base": lambda q: q[1] == 0}
+    mesh = MeshTri1(p, mesh.t).with_boundaries(sides)
+    gray = {"cortex": lambda q: q[1] > 0.4 + 0.2 * q[0]}
+    body = Body(mesh.with_subdomains(gray), 0.4, depth_by="interface")
+    x, y = body.quadrature.points
+    signed = (y - 0.4 - 0.2 * x) / np.hypot(1, 0.2)
+    inner = (x > 0.3) & (x < 1.7) & (y > 0.3)
+    assert body.relative_depth[inner] == pytest.approx(((1 - y) / (1 - y + signed))[inner], rel=1e-9)
+    plain = Body(mesh.with_subdomains(gray), 0.4)
+    assert plain.relative_depth == pytest.approx(plain.depth / 0.4)
 
 
 # what is refused

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image as Pictures
+from planar import area, inside
 
 from turingfold import mask_outline, sections
-from turingfold.geometry.polygon import area, inside
 
 nibabel = pytest.importorskip("nibabel")
 

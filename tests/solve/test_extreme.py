@@ -122,7 +122,7 @@ def cleft_between_three_lobes(growth):
     outside = ring(1.0, np.linspace(slot, 2 * np.pi - slot, 150))
     opposite = wall[:, ::-1] * [[-1.0], [1.0]]
     points = np.concatenate([outside, wall, hollowed, opposite], axis=1)
-    body = outline(points, thickness=0.14, size=0.08, smooth=0.05, tight="trim")
+    body = outline(points, thickness=0.14, size=0.08, smooth=0.05)
     around = ring(skull, 2 * np.pi * np.append(np.arange(240), 0) / 240)
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(skull=around))
     growing = TangentialGrowth(cortex=growth, core=growth)

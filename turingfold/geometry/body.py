@@ -10,11 +10,16 @@ from skfem import Basis, ElementTriP2, MeshTri2
 
 from ..arrays import Array, Booleans, Integers
 from ..checks import one_of, positive
-from .curve import Curve, chain
+from .changes import Changes
+from .curve import Curve
+from .paths import Curves, Path, paths
+from .supports import components, holds
 from .triangles import check_elements, quadratic_mesh, straight_mesh
 
 BASES = ("clamped", "roller", "free")
 SHARP, SIGMOID = LAYERS = ("sharp", "sigmoid")
+HOLES = ("free", "clamped")
+DEPTHS = ("thickness", "interface")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +64,16 @@ class Body:
 
     mesh: straight or isoparametric quadratic triangles in m; straight ones become quadratic. A part named
     "mirror" makes it half of a mirror-symmetric body: there, displacement across the line is zero.
+    Each may have several parts, as of several pieces of tissue. "hole" is the wall of ventricles.
     thickness: of the cortex, in m. Elements in the subdomain "cortex" are gray matter; without that name it
     is those with their centre less than `thickness` below the pial surface.
     base: "clamped" (no displacement), "roller" (none across the base line) or "free".
     layers: how moduli and growth change from gray to white matter: "sharp", between elements, or "sigmoid",
     by θ(y) = 1/(1 + exp(10 (y/T - 1))) of the depth y (Choi et al. 2025).
+    hole: "free" or "clamped" walls of ventricles.
+    depth_by: how deep a point is as a share of the cortex: "thickness", its distance y to the pial surface
+    over `thickness`; "interface", d_pial/(d_pial + d_white), for a cortex of varying thickness.
+    changes: what was changed of measured curves to make the body.
     Raises ValueError for missing parts, wrong lengths, inverted or degenerate triangles.
     """
 
@@ -71,11 +81,16 @@ class Body:
     thickness: float
     base: str = "clamped"
     layers: str = SHARP
+    hole: str = "free"
+    depth_by: str = "thickness"
+    changes: Changes | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
         one_of("base", self.base, BASES)
         one_of("layers", self.layers, LAYERS)
+        one_of("hole", self.hole, HOLES)
+        one_of("depth_by", self.depth_by, DEPTHS)
         object.__setattr__(self, "mesh", quadratic_mesh(self.mesh))
         needed = ("pial",) if self.base == "free" else ("pial", "base")
         known = self.mesh.boundaries or {}
@@ -91,9 +106,11 @@ class Body:
                 f"thickness={self.thickness:g} m is less than the depth of the outermost elements: no gray "
                 'matter; use smaller elements, or name the subdomain "cortex".'
             )
-        self.boundary_path("pial")  # refuses a surface in several parts
-        for line in self._sliding:
-            self._normal_axis(line)
+        _ = (
+            self.pial_paths,
+            self._sliding,
+            self.depth_by == "interface" and self.interface_paths,
+        )  # refuses some
 
     # nodes and curves
 
@@ -118,16 +135,55 @@ class Body:
         """Whether this is the half of a mirror-symmetric body."""
         return "mirror" in (self.mesh.boundaries or {})
 
+    def boundary_paths(self, name: str) -> tuple[Path, ...]:
+        """Return the parts of a named boundary, the longest first, with the tissue on their left."""
+        facets = (self.mesh.boundaries or {}).get(name, np.zeros(0, dtype=np.int64))
+        everywhere = np.ones(self.mesh.nelements, dtype=bool)
+        return paths(self.mesh, np.asarray(facets), everywhere, f"boundary {name!r}")
+
+    def boundary_path(self, name: str) -> tuple[Integers, bool]:
+        """Return the nodes of a named boundary with the tissue on its left, and whether it is closed.
+
+        Raises ValueError for a boundary in several parts.
+        """
+        path = _only(self.boundary_paths(name), f"boundary {name!r}", f"boundary_paths({name!r})")
+        return path.nodes, path.closed
+
     @cached_property
+    def pial_paths(self) -> tuple[Path, ...]:
+        """The parts of the pial surface: of each piece of tissue, and closed-off sulci; the longest first."""
+        return self.boundary_paths("pial")
+
+    @cached_property
+    def interface_paths(self) -> tuple[Path, ...]:
+        """The parts of the gray-white interface, the longest first, with white matter on their left."""
+        f2t, gray = self.mesh.f2t, self.in_cortex
+        inner = f2t[1] >= 0
+        across = np.flatnonzero(inner & (gray[f2t[0]] != gray[np.where(inner, f2t[1], 0)]))
+        if across.size == 0:
+            raise ValueError(
+                f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface."
+            )
+        return paths(self.mesh, across, ~gray, "the gray-white interface")
+
+    @property
     def pial(self) -> Integers:
-        """Nodes along the pial surface, with the body on its left; shape (n_pial,)."""
-        return self.boundary_path("pial")[0]
+        """Nodes along the pial surface, tissue on the left; (n_pial,). ValueError if it has several parts."""
+        return self._pial.nodes
+
+    @cached_property
+    def _pial(self) -> Path:
+        return _only(self.pial_paths, "the pial surface", "pial_paths")
 
     @cached_property
     def pial_curve(self) -> Curve:
-        """The pial surface before deformation."""
-        nodes, closed = self.boundary_path("pial")
-        return Curve(self.nodes[:, nodes], closed)
+        """The pial surface before deformation. ValueError if it has several parts."""
+        return Curve(self.nodes[:, self._pial.nodes], self._pial.closed)
+
+    @cached_property
+    def pial_curves(self) -> Curves:
+        """All parts of the pial surface before deformation."""
+        return Curves(tuple(Curve(self.nodes[:, path.nodes], path.closed) for path in self.pial_paths))
 
     @property
     def pial_arc(self) -> Array:
@@ -136,49 +192,15 @@ class Body:
 
     def pial_share(self, arc: Array) -> Array:
         """Return arc lengths as shares of the whole pial surface; half a body has the first half of it."""
-        return arc / (self.pial_curve.length * (2.0 if self.mirror else 1.0))
+        return arc / (self.pial_curves.length * (2.0 if self.mirror else 1.0))
 
     @cached_property
     def interface(self) -> Integers:
-        """Nodes along the gray-white interface, in the direction of the pial surface; (n_interface,)."""
-        f2t, gray = self.mesh.f2t, self.in_cortex
-        inner = f2t[1] >= 0
-        across = np.flatnonzero(inner & (gray[f2t[0]] != gray[np.where(inner, f2t[1], 0)]))
-        if across.size == 0:
-            raise ValueError(
-                f"thickness={self.thickness:g} leaves no white matter: there is no gray-white interface."
-            )
-        nodes, closed = self._path(across, "the gray-white interface")
-        arc = self.pial_curve.nearest(self.nodes[:, nodes])[2]
-        return nodes if np.sum(np.diff(arc) > 0) > len(arc) / 2 else _reversed(nodes, closed)
+        """Nodes along the gray-white interface, in the direction of the pial surface; (n_interface,).
 
-    def boundary_path(self, name: str) -> tuple[Integers, bool]:
-        """Return the nodes of a named boundary with the body on its left, and whether it is closed.
-
-        That is counter-clockwise round the body, and clockwise round a hole in it.
+        ValueError if it has several parts.
         """
-        facets = np.asarray(self.mesh.boundaries[name])
-        nodes, closed = self._path(facets, f"boundary {name!r}")
-        first = self._facet_of[nodes[0], nodes[2 % len(nodes)]]
-        element = self.mesh.f2t[0, first]
-        corner = list(self.mesh.t[:, element])
-        follows = corner[(corner.index(nodes[0]) + 1) % 3] == nodes[2 % len(nodes)]
-        return (nodes, closed) if follows else (_reversed(nodes, closed), closed)
-
-    def _path(self, facets: Integers, name: str) -> tuple[Integers, bool]:
-        vertices, closed = chain(self.mesh.facets[:, facets], name)
-        onward = np.roll(vertices, -1) if closed else vertices[1:]
-        mids = [self.mesh.nvertices + self._facet_of[a, b] for a, b in zip(vertices, onward, strict=False)]
-        path = np.empty(len(vertices) + len(mids), dtype=np.int64)
-        path[0::2], path[1::2] = vertices, mids
-        return path, closed
-
-    @cached_property
-    def _facet_of(self) -> dict[tuple[int, int], int]:
-        a, b = self.mesh.facets.tolist()
-        return {pair: k for k, pair in enumerate(zip(a, b, strict=True))} | {
-            pair: k for k, pair in enumerate(zip(b, a, strict=True))
-        }
+        return _only(self.interface_paths, "the gray-white interface", "interface_paths").nodes
 
     # layers
 
@@ -191,13 +213,13 @@ class Body:
             mask[named] = True
             return mask
         centres = self.mesh.p[:, self.mesh.t].mean(1)
-        return self.pial_curve.nearest(centres)[0] < self.thickness
+        return self.pial_curves.nearest(centres)[0] < self.thickness
 
     @cached_property
     def elements_through_cortex(self) -> float:
         """How many elements lie on top of each other in the cortex: T over the median depth they span."""
         gray = self.mesh.t[:, self.in_cortex]
-        depth = self.pial_curve.nearest(self.mesh.p[:, gray.ravel()])[0].reshape(gray.shape)
+        depth = self.pial_curves.nearest(self.mesh.p[:, gray.ravel()])[0].reshape(gray.shape)
         return float(self.thickness / np.median(np.ptp(depth, axis=0)))
 
     @cached_property
@@ -215,7 +237,10 @@ class Body:
         """Return some elements as a mesh with straight sides, and the node of the body per node of it."""
         vertices, local = np.unique(self.mesh.t[:, elements], return_inverse=True)
         mesh = MeshTri2.from_mesh(straight_mesh(self.mesh.p[:, vertices], local.reshape(3, -1)))
-        facets = np.array([self._facet_of[a, b] for a, b in vertices[mesh.facets].T.tolist()])
+        n = self.mesh.nvertices
+        order = np.argsort(keys := np.sort(self.mesh.facets, axis=0).T @ np.array([n, 1]))
+        wanted = np.sort(vertices[mesh.facets], axis=0).T @ np.array([n, 1])
+        facets = order[np.searchsorted(keys[order], wanted)]
         return mesh, np.concatenate([vertices, self.mesh.nvertices + facets])
 
     # integration
@@ -240,6 +265,21 @@ class Body:
         return self._foot[0]
 
     @cached_property
+    def relative_depth(self) -> Array:
+        """Depth as a share of the cortical thickness at the integration points: 1 at the interface; (q, e).
+
+        y/T, or by both surfaces d_pial/(d_pial + d_white), d the distances, that to the interface negative in
+        white matter.
+        """
+        if self.depth_by == "thickness":
+            return self.depth / self.thickness
+        curves = tuple(Curve(self.nodes[:, path.nodes], path.closed) for path in self.interface_paths)
+        points = self.quadrature.points
+        distance = Curves(curves).nearest(points.reshape(2, -1))[0].reshape(points.shape[1:])
+        between = self.depth + np.where(self.in_cortex, distance, -distance)
+        return np.asarray(self.depth / np.maximum(between, 1e-9 * self.length))
+
+    @cached_property
     def tangent(self) -> Array:
         """Unit tangent of the nearest pial point at the integration points, shape (2, q, e)."""
         return self._foot[1]
@@ -252,7 +292,7 @@ class Body:
     @cached_property
     def _foot(self) -> tuple[Array, Array, Array]:
         points = self.quadrature.points
-        distance, tangent, arc = self.pial_curve.nearest(points.reshape(2, -1))
+        distance, tangent, arc = self.pial_curves.nearest(points.reshape(2, -1))
         shape = points.shape[1:]
         return distance.reshape(shape), tangent.reshape(2, *shape), arc.reshape(shape)
 
@@ -260,53 +300,44 @@ class Body:
 
     @cached_property
     def fixed(self) -> Integers:
-        """Fixed degrees of freedom 2·node + component, with those that only hold a free body in place.
-
-        What holds it carries no force, as all static loads balance.
-        """
-        dofs = set(self.supported.tolist())
-        return np.array(sorted(dofs | self._holds(dofs)), dtype=np.int64)
+        """Fixed degrees of freedom 2·node + component, with those that only hold free parts in place."""
+        return np.union1d(self.supported, holds(self.nodes, components(self.triangles), self.supported))
 
     @cached_property
     def supported(self) -> Integers:
-        """Degrees of freedom 2·node + component that base and mirror prevent."""
-        dofs: set[int] = set()
-        if self.base == "clamped":
-            nodes = self.boundary_path("base")[0]
-            dofs |= set(2 * nodes) | set(2 * nodes + 1)
-        for line in self._sliding:
-            dofs |= set(2 * self.boundary_path(line)[0] + self._normal_axis(line))
-        return np.array(sorted(dofs), dtype=np.int64)
+        """Degrees of freedom 2·node + component that base, mirror and clamped holes prevent."""
+        dofs = [np.zeros(0, dtype=np.int64)]
+        for name, kind in (("base", self.base), ("hole", self.hole)):
+            if kind == "clamped":
+                dofs += [2 * path.nodes + k for path in self.boundary_paths(name) for k in (0, 1)]
+        dofs += [2 * path.nodes + axis for path, axis in self._sliding]
+        return np.unique(np.concatenate(dofs))
 
     @property
-    def _sliding(self) -> list[str]:
-        """Boundaries without normal displacement."""
-        return ["base"] * (self.base == "roller") + ["mirror"] * self.mirror
-
-    def _holds(self, dofs: set[int]) -> set[int]:
-        # each rigid motion that nothing else prevents is prevented at one degree of freedom near the middle
-        centre = self.nodes.mean(1)
-        middle = int(np.argmin(((self.nodes - centre[:, None]) ** 2).sum(0)))
-        free_x, free_y = (not any(d % 2 == i for d in dofs) for i in (0, 1))
-        if free_x and free_y:
-            far = int(np.argmax(self.nodes[1] - np.abs(self.nodes[0] - self.nodes[0, middle])))
-            return {2 * middle, 2 * middle + 1, 2 * far}
-        return {2 * middle + (0 if free_x else 1)} if free_x or free_y else set()
-
-    def _normal_axis(self, name: str) -> int:
-        nodes = self.boundary_path(name)[0]
-        spread = np.ptp(self.nodes[:, nodes], axis=1)
-        axis = int(np.argmin(spread))
-        if spread[axis] > 1e-9 * self.length:
-            raise ValueError(
-                f"boundary {name!r} is not a horizontal or vertical line (it spreads {spread[axis]:.3g} m), "
-                'so it cannot slide on rollers; use base="clamped" or "free", or turn the body.'
-            )
-        return axis
+    def _sliding(self) -> list[tuple[Path, int]]:
+        """Boundaries without normal displacement, and the axis of that."""
+        names = ["base"] * (self.base == "roller") + ["mirror"] * self.mirror
+        found = []
+        for name in names:
+            for path in self.boundary_paths(name):
+                spread = np.ptp(self.nodes[:, path.nodes], axis=1)
+                axis = int(np.argmin(spread))
+                if spread[axis] > 1e-9 * self.length:
+                    raise ValueError(
+                        f"boundary {name!r} is not a horizontal or vertical line (it spreads "
+                        f"{spread[axis]:.3g} m), so it cannot slide on rollers; use "
+                        'base="clamped" or "free", or turn the body.'
+                    )
+                found.append((path, axis))
+        return found
 
 
-def _reversed(nodes: Integers, closed: bool) -> Integers:
-    return np.roll(nodes[::-1], 1) if closed else nodes[::-1].copy()
+def _only(found: tuple[Path, ...], name: str, plural: str) -> Path:
+    if len(found) != 1:
+        raise ValueError(
+            f"{name} has {len(found)} parts, and one is needed here; the body's {plural} has all."
+        )
+    return found[0]
 
 
 def by_node(vectors: Array) -> Array:
@@ -317,8 +348,10 @@ def by_node(vectors: Array) -> Array:
 def _submesh(body: Body, elements: Integers) -> Band:
     mesh = body.mesh
     part, nodes = body.part(elements)
-    sides = {name: set(body.boundary_path(name)[0].tolist()) for name in mesh.boundaries}
-    sides["interface"] = set(body.interface.tolist())
+    lines = {name: body.boundary_paths(name) for name in mesh.boundaries} | {
+        "interface": body.interface_paths
+    }
+    sides = {name: {n for path in parts for n in path.nodes.tolist()} for name, parts in lines.items()}
     edge = part.boundary_facets()
     named = {
         name: edge[[int(nodes[part.nvertices + f]) in side for f in edge]] for name, side in sides.items()

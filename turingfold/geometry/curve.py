@@ -102,35 +102,3 @@ class Curve:
         nodes = np.append(self.arc, self.length) if self.closed else self.arc
         low, mid, high = nodes[2 * which], nodes[2 * which + 1], nodes[2 * which + 2]
         return mid + 0.5 * (high - low) * xi + 0.5 * (low - 2 * mid + high) * xi**2
-
-
-def chain(pairs: Integers, name: str) -> tuple[Integers, bool]:
-    """Return the vertices of edges (2, n) in the order in which they follow each other, and if they close.
-
-    Raises ValueError, with the name, if the edges do not make one single curve.
-    """
-    neighbours: dict[int, list[int]] = {}
-    for a, b in pairs.T.tolist():
-        neighbours.setdefault(a, []).append(b)
-        neighbours.setdefault(b, []).append(a)
-    ends = sorted(v for v, near in neighbours.items() if len(near) == 1)
-    branches = sum(len(near) > 2 for near in neighbours.values())
-    if len(ends) not in (0, 2) or branches:
-        raise ValueError(
-            f"the edges of {name} make a curve with {len(ends)} ends and {branches} branches; name one "
-            "connected part of the mesh."
-        )
-    path = [ends[0] if ends else min(neighbours)]
-    previous = -1
-    while True:
-        onward = [v for v in neighbours[path[-1]] if v != previous]
-        if not onward or (not ends and len(path) > 1 and onward[0] == path[0]):
-            break
-        previous = path[-1]
-        path.append(onward[0])
-    if len(path) != len(neighbours):
-        raise ValueError(
-            f"the edges of {name} fall apart: {len(path)} of {len(neighbours)} vertices connect; name one "
-            "connected part of the mesh."
-        )
-    return np.array(path), not ends

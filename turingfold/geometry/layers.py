@@ -17,8 +17,8 @@ def cortex_indicator(body: Body, thickness: Array | float | None = None) -> Arra
     Raises ValueError for another thickness of sharp layers, which are those of the mesh.
     """
     if body.layers == SIGMOID:
-        T = body.thickness if thickness is None else thickness
-        return np.asarray(expit(10.0 * (1.0 - body.depth / T)))
+        relative = body.relative_depth if thickness is None else body.depth / thickness
+        return np.asarray(expit(10.0 * (1.0 - relative)))
     if thickness is not None:
         raise ValueError(
             'a cortical thickness that changes in time or place needs a body with layers="sigmoid"; the '

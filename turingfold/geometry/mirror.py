@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial import cKDTree
 from skfem import MeshTri2
@@ -48,7 +50,7 @@ def half(body: Body) -> Body:
         _subdomains={"cortex": gray},
         validate=False,
     )
-    return Body(halved, body.thickness, body.base, body.layers)
+    return replace(body, mesh=halved)
 
 
 def mirror_images(body: Body) -> Integers | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from skfem import ElementTriP2, MeshTri2
 
@@ -47,7 +49,7 @@ def _split(body: Body) -> Body:
         _subdomains={name: (first + elements).ravel() for name, elements in kinds.items()},
         validate=False,
     )
-    return Body(finer, body.thickness, body.base, body.layers)
+    return replace(body, mesh=finer)
 
 
 def _boundaries(body: Body, mesh: MeshTri2) -> dict[str, Integers]:

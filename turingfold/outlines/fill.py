@@ -1,84 +1,86 @@
-"""Triangles inside a closed polygon: Delaunay refinement by circumcentres, then relaxation.
+"""Triangles inside a frame of lines: Delaunay refinement by circumcentres, then relaxation.
 
-Points stay where the boundary and the interface put them; between them the mesh has the asked edge length.
-Only scipy's Delaunay triangulation (Qhull, BSD-like) is used: `triangle` may not be used commercially and
-gmsh is under the GPL.
+Nodes of the frame stay where they are; between them the mesh has the asked edge length. Only scipy's Delaunay
+triangulation (Qhull, BSD-like) is used: `triangle` may not be used commercially and gmsh is under the GPL.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from scipy.spatial import Delaunay, cKDTree
 
-from ..arrays import Array, Integers
-from ..geometry.polygon import inside
-
-Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
+from ..arrays import Array, Booleans, Integers
+from .frame import GRAIN, Frame, Side, Size, kept, missing, split
 
 ROUNDS = 60
-RELAXATIONS = 12
-WORST = 20.0  # degrees
-GRAIN = 2.0**-24  # of the extent: smaller differences are round-off
+RELAXATIONS = 8
+REPAIRS = 6
+WORST = 21.0  # degrees: below, edges of the frame are split
+SHORTEST = 0.05  # share of the asked size below which edges of the frame are not split
+NEAREST = 4  # nodes of the frame that bound the edge length at a point
+FLAT = 1e-6  # height of a triangle over its length below which its corners are on one line
+SLACK = 1.2  # edges may be this much longer than those of the frame beside them
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """What is given: `points` (2, n), the boundary's first and in order, and `edges` (2, m) to be kept."""
+def fill(
+    sides: list[Side], size: Size, white: Callable[[Array], Booleans], grading: float
+) -> tuple[Frame, Array, Integers]:
+    """Return the frame, points (2, n), the frame's first, and counter-clockwise triangles (3, e) inside.
 
-    points: Array
-    boundary: int
-    edges: Integers
-
-    @property
-    def loop(self) -> Array:
-        """The boundary polygon, (2, boundary)."""
-        return self.points[:, : self.boundary]
-
-
-def fill(frame: Frame, size: Size) -> tuple[Array, Integers]:
-    """Return points (2, n), the frame's first, and counter-clockwise triangles (3, e) of its inside.
-
-    Raises ValueError if an edge of the frame cannot be kept, or an angle stays below 20 degrees.
+    size: edge length asked for at points; where `white` tells that they are in white matter it grows by
+    grading × distance from the frame. It is bounded by 1.2 × edge + grading × distance of the nearest nodes
+    of the frame. Beside triangles with an angle below 21 degrees edges of the frame are split.
+    Raises ValueError if an edge of the frame cannot be kept.
     """
-    near, local, place = _normalised(frame, size)
+    shortest = SHORTEST * float(min(size(one.line).min() for one in sides))
     free = np.empty((2, 0))
-    for _ in range(ROUNDS):
-        points, triangles = _triangulated(near, free)
-        more = _missing_points(near, points, triangles, local)
-        if not more.shape[1]:
+    best: tuple[float, Frame, Array, Integers] | None = None
+    for attempt in range(REPAIRS):
+        sides, found = kept(sides, shortest)
+        bounded = _bounded(found, size, white, grading)
+        free = _refined(found, _outside_circles(found, free), bounded)
+        for _ in range(RELAXATIONS if attempt == 0 else RELAXATIONS // 2):
+            points, triangles = _triangulated(found, free)
+            free = _outside_circles(found, _relaxed(points, triangles, bounded)[:, found.points.shape[1] :])
+        points, triangles = _triangulated(found, free)
+        gone, smallest = missing(found, triangles), angles(points, triangles)
+        worst = -1.0 if len(gone) else float(smallest.min())
+        if best is None or worst > best[0]:
+            best = worst, found, points, triangles
+        if worst >= WORST:
             break
-        free = np.concatenate([free, more], axis=1)
-    for _ in range(RELAXATIONS):
-        points, triangles = _triangulated(near, free)
-        free = _outside_circles(near, _relaxed(points, triangles, local)[:, frame.points.shape[1] :])
-    _, triangles = _triangulated(near, free)
-    points = np.concatenate([frame.points, place(free)], axis=1)
-    _check(frame, points, triangles)
-    return points, triangles
+        beside = np.flatnonzero(np.isin(found.edges, triangles[:, smallest < WORST]).any(axis=0))
+        again = np.union1d(beside, gone)
+        again = again[found.lengths[again] > 2 * shortest]
+        if not len(again):
+            break
+        sides = split(sides, found, again)
+    assert best is not None
+    if best[0] < 0:
+        x, y = found.points[:, found.edges[:, gone[0]]].mean(1)
+        raise ValueError(
+            f"the mesh loses {len(gone)} edges of boundary or interface, first near ({x:.4g}, {y:.4g}), "
+            "where two lines come closer than the element size; use smaller elements (size=...)."
+        )
+    return best[1:]
 
 
-def _normalised(frame: Frame, size: Size) -> tuple[Frame, Size, Callable[[Array], Array]]:
-    """Return frame and size around the origin, in units of the extent, and the way back for points.
+def _bounded(found: Frame, size: Size, white: Callable[[Array], Booleans], grading: float) -> Size:
+    """Return the edge length at points: as asked, more in white matter, and fit for the frame beside it."""
+    longest = np.zeros(found.points.shape[1])
+    np.maximum.at(longest, found.edges.ravel(), np.tile(found.lengths, 2))
+    tree, count = cKDTree(found.points.T), np.arange(1, 1 + min(NEAREST, len(longest)))
 
-    They are rounded to GRAIN: then neither the place of a body nor its unit decides between triangles that
-    are equally good.
-    """
-    low, high = frame.loop.min(1, keepdims=True), frame.loop.max(1, keepdims=True)
-    centre, unit = 0.5 * (low + high), float((high - low).max())
+    def bounded(at: Array) -> Array:
+        distance, near = (np.asarray(found) for found in tree.query(at.T, k=count))
+        deep = np.where(white(at), distance[:, 0], 0.0)
+        beside = (SLACK * longest[near] + grading * distance).min(1)
+        return np.asarray(np.round(np.minimum(size(at) + grading * deep, beside) / GRAIN) * GRAIN)
 
-    def rounded(values: Array) -> Array:
-        return np.asarray(np.round(values / GRAIN) * GRAIN)
-
-    def place(at: Array) -> Array:
-        return np.asarray(centre + unit * at)
-
-    def local(at: Array) -> Array:
-        return rounded(size(place(at)) / unit)
-
-    return Frame(rounded((frame.points - centre) / unit), frame.boundary, frame.edges), local, place
+    return bounded
 
 
 def angles(points: Array, triangles: Integers) -> Array:
@@ -92,30 +94,44 @@ def angles(points: Array, triangles: Integers) -> Array:
     return smallest
 
 
-def _triangulated(frame: Frame, free: Array) -> tuple[Array, Integers]:
-    points = np.concatenate([frame.points, free], axis=1)
+def _triangulated(found: Frame, free: Array) -> tuple[Array, Integers]:
+    points = np.concatenate([found.points, free], axis=1)
     triangles = np.asarray(Delaunay(points.T).simplices.T, dtype=np.int64)
     a, b, c = points[:, triangles].swapaxes(0, 1)
     turn = (b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]
     triangles[1:, turn < 0] = triangles[:0:-1, turn < 0]
-    # only a triangle with all its corners on the boundary can lie outside
-    unsure = np.flatnonzero((triangles < frame.boundary).all(0))
-    outside = unsure[~inside(points[:, triangles[:, unsure]].mean(1), frame.loop)]
-    return points, np.delete(triangles, outside, axis=1)
+    # only a triangle with all its corners on the boundary can lie outside, or be flat
+    around = np.zeros(points.shape[1], dtype=bool)
+    around[: len(found.on_boundary)] = found.on_boundary
+    unsure = np.flatnonzero(around[triangles].all(0))
+    centres, longest = points[:, triangles[:, unsure]].mean(1), ((b - a) ** 2 + (c - a) ** 2).sum(0)[unsure]
+    keep = shapely.contains_xy(found.domain, *centres) & (np.abs(turn[unsure]) > FLAT * longest)
+    return points, np.delete(triangles, unsure[~keep], axis=1)
 
 
-def _missing_points(frame: Frame, points: Array, triangles: Integers, size: Size) -> Array:
+def _refined(found: Frame, free: Array, size: Size) -> Array:
+    for _ in range(ROUNDS):
+        points, triangles = _triangulated(found, free)
+        more = _missing_points(found, points, triangles, size)
+        if not more.shape[1]:
+            break
+        free = np.concatenate([free, more], axis=1)
+    return free
+
+
+def _missing_points(found: Frame, points: Array, triangles: Integers, size: Size) -> Array:
     """Return circumcentres of triangles that are too large, not too close to each other, (2, m)."""
     a, b, c = points[:, triangles].swapaxes(0, 1)
     u, v = b - a, c - a
     twice = 2 * (u[0] * v[1] - u[1] * v[0])
     uu, vv = (u**2).sum(0), (v**2).sum(0)
-    offset = np.stack([v[1] * uu - u[1] * vv, u[0] * vv - v[0] * uu]) / twice
-    radius, centre = np.hypot(*offset), a + offset
-    wanted = size(centre) / np.sqrt(3)
-    large = np.flatnonzero((radius > 1.2 * wanted) & inside(centre, frame.loop))
-    order = large[np.argsort(-(radius / wanted)[large])]
-    centre = _outside_circles(frame, centre[:, order])
+    with np.errstate(divide="ignore", invalid="ignore"):  # of flat triangles
+        offset = np.stack([v[1] * uu - u[1] * vv, u[0] * vv - v[0] * uu]) / twice
+    within = shapely.contains_xy(found.domain, *np.nan_to_num(a + offset, posinf=9.0, neginf=9.0))
+    radius, centre = np.hypot(*offset)[within], (a + offset)[:, within]
+    excess = radius / (1.2 / np.sqrt(3) * size(centre))
+    order = np.argsort(-excess, kind="stable")[: int((excess > 1).sum())]
+    centre = _outside_circles(found, centre[:, order])
     if not centre.shape[1]:
         return centre
     lengths = size(centre)
@@ -129,16 +145,13 @@ def _missing_points(frame: Frame, points: Array, triangles: Integers, size: Size
     return centre[:, ~dropped]
 
 
-def _outside_circles(frame: Frame, free: Array) -> Array:
+def _outside_circles(found: Frame, free: Array) -> Array:
     """Return the points outside the circles around edges of the frame; inside, they would hide them."""
-    start, end = frame.points[:, frame.edges[0]], frame.points[:, frame.edges[1]]
-    middle, radius = 0.5 * (start + end), 0.5 * np.hypot(*(end - start))
     if not free.shape[1]:
         return free
-    reach = 1.05 * radius
-    near = cKDTree(free.T).query_ball_point(middle.T, reach)
-    hiding = np.unique(np.concatenate([np.asarray(ids, dtype=np.int64) for ids in near]))
-    return np.delete(free, hiding, axis=1)
+    middle = 0.5 * (found.points[:, found.edges[0]] + found.points[:, found.edges[1]])
+    near = cKDTree(free.T).query_ball_point(middle.T, 0.525 * found.lengths)
+    return np.delete(free, np.unique(np.concatenate([np.asarray(i, dtype=np.int64) for i in near])), axis=1)
 
 
 def _relaxed(points: Array, triangles: Integers, size: Size) -> Array:
@@ -151,26 +164,3 @@ def _relaxed(points: Array, triangles: Integers, size: Size) -> Array:
     total = np.bincount(corner, np.tile(weight, 3), minlength=count)
     moved = np.stack([np.bincount(corner, np.tile(weight * x, 3), minlength=count) for x in centre])
     return moved / np.where(total > 0, total, 1.0)
-
-
-def _check(frame: Frame, points: Array, triangles: Integers) -> None:
-    count = points.shape[1]
-    sides = np.concatenate([triangles[[0, 1]], triangles[[1, 2]], triangles[[2, 0]]], axis=1)
-    present = np.unique(np.sort(sides, axis=0).T @ np.array([count, 1]))
-    wanted = np.sort(frame.edges, axis=0).T @ np.array([count, 1])
-    lost = np.flatnonzero(~np.isin(wanted, present))
-    if len(lost):
-        x, y = points[:, frame.edges[:, lost[0]]].mean(1)
-        raise ValueError(
-            f"the mesh loses {len(lost)} edges of boundary or interface, first near ({x:.4g}, {y:.4g}) m, "
-            "where two lines come closer than the element size; use smaller elements (size=...) or a "
-            "smoother outline (smooth=...)."
-        )
-    smallest = angles(points, triangles)
-    if smallest.min() < WORST:
-        k = int(np.argmin(smallest))
-        x, y = points[:, triangles[:, k]].mean(1)
-        raise ValueError(
-            f"the mesh has an angle of {smallest[k]:.3g} degrees near ({x:.4g}, {y:.4g}) m, less than "
-            f"{WORST:g}; use smaller elements (size=...) or a smoother outline (smooth=...)."
-        )

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from shapely import Polygon
 
 from ..arrays import Array
 from ..checks import finite, one_of, whole
-from ..geometry.polygon import area, inside
 from .image import PLANES, Image
 from .section import Section
 from .tissues import Labels, Tissue, tissues_of
@@ -66,11 +66,12 @@ def mask_outline(
     one_of("section", section, tuple(PLANES))
     (found,) = sections(path, plane=section, index=index, level=level)
     largest, *others = found.pial
-    apart = [abs(area(loop)) for loop in others if not inside(loop[:, :1], largest)[0]]
+    around = Polygon(largest.T)
+    apart = [one.area for loop in others if not around.contains(one := Polygon(loop.T))]
     if apart:
         warnings.warn(
             f"{found.source}: parts of {', '.join(f'{1e6 * a:.3g}' for a in apart[:5])} mm² lie outside the "
-            f"outline, which encloses {1e6 * abs(area(largest)):.4g} mm²; sections(...) returns them all.",
+            f"outline, which encloses {1e6 * around.area:.4g} mm²; sections(...) returns them all.",
             stacklevel=2,
         )
     return largest
@@ -134,4 +135,4 @@ def _curves(image: Image, plane: str, share: Array, level: float, index: int) ->
     closing = np.pad(share, 1, constant_values=0.0 if level > 0 else level - 1.0)
     lines: Any = contour_generator(z=closing.T).lines(level)
     curves = [start[:, None] + edges @ (line[:-1].T - 1.0) for line in lines]
-    return tuple(sorted((c for c in curves if c.shape[1] >= 3), key=lambda c: -abs(area(c))))
+    return tuple(sorted((c for c in curves if c.shape[1] >= 3), key=lambda c: -Polygon(c.T).area))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from shapely import Polygon
+
 from ..arrays import Array
 from ..checks import file_path
-from ..geometry.polygon import area
 from .columns import read_columns
 from .units import metres, note_large
 
@@ -36,7 +37,7 @@ class Contours:
         """
         if len(self.loops) == 1:
             return self.loops[0]
-        each = [f"{name or k} ({abs(area(loop)):.3g})" for k, (name, loop) in enumerate(self._named())]
+        each = [f"{name or k} ({Polygon(loop.T).area:.3g})" for k, (name, loop) in enumerate(self._named())]
         shown = ", ".join(each[:8]) + (", ..." if len(each) > 8 else "")
         raise ValueError(
             f"{self.source} holds {len(self.loops)} closed curves where one is wanted: {shown}, with their "

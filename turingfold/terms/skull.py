@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
+from shapely import LineString, Point
 
 from ..arrays import Array
 from ..geometry.body import Body
-from ..geometry.polygon import enclosed, intersections
 
 
 def check_skull(body: Body, skull: Array) -> None:
@@ -16,26 +17,32 @@ def check_skull(body: Body, skull: Array) -> None:
     Around a pial surface that is closed the skull must be closed too. An open one lies between the skull, the
     straight ways from the skull's ends to its own, and the rest of the body's boundary.
     """
-    wall = np.stack([skull[:, :-1], skull[:, 1:]])
-    sides = _sides(body, np.asarray(body.mesh.boundary_facets()))
-    i, _, share, _ = intersections(wall, sides)
-    if len(i):
-        met = wall[0, :, i[0]] + share[0] * (wall[1, :, i[0]] - wall[0, :, i[0]])
+    first, last = skull[:, 0], skull[:, -1]
+    closed = np.hypot(*(last - first)) <= 1e-9 * body.length
+    wall = LineString([*skull[:, :-1].T, first if closed else last])
+    met = wall.intersection(_sides(body, np.asarray(body.mesh.boundary_facets())))
+    if not met.is_empty:
+        at = shapely.get_coordinates(met)[0]
+        steps = np.cumsum(np.hypot(*np.diff(skull, axis=1)))
+        k = min(int(np.searchsorted(steps, wall.project(Point(at)))), len(steps) - 1)
         raise ValueError(
-            f"skull crosses the body near {_shown(met)} m, between its points {i[0]} and {i[0] + 1}; "
+            f"skull crosses the body near {_shown(at)} m, between its points {k} and {k + 1}; "
             "a skull goes round the body at a distance."
         )
-    first, last = skull[:, 0], skull[:, -1]
-    surface = body.nodes[:, body.pial]
-    if np.hypot(*(last - first)) > 1e-9 * body.length:
-        if body.pial_curve.closed:
+    surface, ways = np.concatenate([body.nodes[:, path.nodes] for path in body.pial_paths], axis=1), [wall]
+    if not closed:
+        if any(path.closed for path in body.pial_paths):
             raise ValueError(
                 f"skull ends at {_shown(last)} m, not where it begins, at {_shown(first)} m; around a closed "
                 "pial surface it must be closed: repeat its first point at the end."
             )
-        wall = np.concatenate([wall, _links(skull, surface[:, 0], surface[:, -1]), _ground(body)], axis=2)
+        ground = np.setdiff1d(body.mesh.boundary_facets(), body.mesh.boundaries["pial"])
+        ways += [*_links(skull, surface[:, 0], surface[:, -1]), _sides(body, ground)]
         surface = surface[:, 1:-1]
-    outside = np.flatnonzero(~enclosed(surface, wall))
+    room = shapely.union_all(
+        shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(ways))))
+    )
+    outside = np.flatnonzero(~shapely.contains_xy(room, *surface))
     if len(outside):
         raise ValueError(
             f"skull does not go round the body: the point {_shown(surface[:, outside[0]])} m of the pial "
@@ -48,37 +55,33 @@ def check_clear(skull: Array, lines: Array, distance: float) -> None:
 
     lines: start and end points of those on which base and mirror continue.
     """
-    wall = np.stack([skull[:, :-1], skull[:, 1:]])
-    met = [skull[:, i] for i in np.unique(intersections(wall, lines)[0])]
-    for start, end in lines.transpose(2, 0, 1):
-        along = (end - start) / np.hypot(*(end - start))
-        way = skull - start[:, None]
-        foot = np.clip(along @ way, 0.0, np.hypot(*(end - start)))
-        met += [*skull[:, np.hypot(*(way - foot * along[:, None])) < distance].T]
-    if met:
+    wall, beyond = (
+        LineString(skull.T),
+        shapely.multilinestrings(shapely.linestrings(lines.transpose(2, 0, 1))),
+    )
+    if wall.distance(beyond) < distance:
+        close = shapely.distance(shapely.points(skull.T), beyond) < distance
+        near = skull[:, np.argmax(close)] if close.any() else shapely.get_coordinates(wall & beyond)[0]
         raise ValueError(
-            f"skull reaches, near {_shown(met[0])} m, the line on which the body's base (or mirror) "
+            f"skull reaches, near {_shown(near)} m, the line on which the body's base (or mirror) "
             f"continues outward; its ends have to stay clear of that line by more than {distance:.3g} m: "
             "leave out its points there."
         )
 
 
-def _sides(body: Body, facets: Array) -> Array:
-    """Return the two straight halves of quadratic edges as segments, (2, 2, 2 n_facets)."""
+def _sides(body: Body, facets: Array) -> shapely.MultiLineString:
+    """Return the two straight halves of quadratic edges as lines."""
     (start, end), middle = body.mesh.facets[:, facets], body.mesh.nvertices + facets
-    ends = np.stack([np.concatenate([start, middle]), np.concatenate([middle, end])])
-    return np.ascontiguousarray(body.nodes[:, ends].swapaxes(0, 1))
+    return shapely.multilinestrings(shapely.linestrings(body.nodes[:, np.stack([start, middle, end])].T))
 
 
-def _ground(body: Body) -> Array:
-    """Return the boundary that is not pial, such as base and mirror, as segments."""
-    return _sides(body, np.setdiff1d(body.mesh.boundary_facets(), body.mesh.boundaries["pial"]))
-
-
-def _links(skull: Array, start: Array, end: Array) -> Array:
-    """Return the segments from the skull's ends to those of the pial surface, whichever way is shorter."""
-    ways = [np.stack([skull[:, [0, -1]], np.stack(ends, axis=1)]) for ends in ((start, end), (end, start))]
-    return min(ways, key=lambda way: float(np.hypot(*(way[1] - way[0])).sum()))
+def _links(skull: Array, start: Array, end: Array) -> list[LineString]:
+    """Return the straight ways from the skull's ends to those of the pial surface, the shorter ones."""
+    ways = [
+        [LineString([a, b]) for a, b in zip(skull[:, [0, -1]].T, ends, strict=True)]
+        for ends in ((start, end), (end, start))
+    ]
+    return min(ways, key=lambda way: sum(line.length for line in way))
 
 
 def _shown(point: Array) -> str:

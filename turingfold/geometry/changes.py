@@ -1,0 +1,34 @@
+"""What was changed of a measured outline so that elements of the asked size fill it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Changes:
+    """Differences between measured curves and the body made from them.
+
+    moved: largest distance of a point of the given pial surface from that of the body, m; of pieces that were
+    kept.  lost, added: area taken away and filled, as shares of the given area.  cortex: change of the
+    cortex's area as a share of what lies between the given pial and white surfaces; NaN without the latter.
+    dropped: (x, y, area) of pieces too small for the elements; m and m².  smallest_angle: of the triangles,
+    degrees.  notes: what was repaired, in words.
+    """
+
+    moved: float
+    lost: float
+    added: float
+    cortex: float
+    dropped: tuple[tuple[float, float, float], ...]
+    smallest_angle: float
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        told = [
+            f"pial surface moved by at most {self.moved:.3g} m",
+            f"area lost {self.lost:.2%}, filled {self.added:.2%}",
+            f"{len(self.dropped)} pieces left out" if self.dropped else "",
+            *self.notes,
+        ]
+        return "; ".join(part for part in told if part)

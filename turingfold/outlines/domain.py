@@ -1,0 +1,204 @@
+"""From curves to planar sets that can be meshed: tissue, white matter and holes, and what that changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import LineString, MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ..arrays import Array
+from ..geometry.changes import Changes
+from .loops import Trace, traced
+from .region import below, even_odd, fitted, large, moved, opened, pieces, smoothed, tapered
+
+FINE = 8  # samples of a curve per element
+NEAR = 0.02  # of the size: nodes so close to a smooth curve are put on it
+OFFSET = 0.011  # of the distance, by which shapely's offsets leave out points
+DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the pial surface
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes."""
+
+    pial: list[Array]
+    bases: list[tuple[int, int, int]]
+    white: list[Array] | None
+    holes: list[Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Thickness:
+    """Of the cortex: a typical value and, where it varies, a function of points (2, n) → (n,)."""
+
+    typical: float
+    at: Callable[[Array], Array] | None
+
+    def scaled(self, centre: Array, unit: float) -> Thickness:
+        """Return the thickness in another unit, as a function of places from `centre` (2, 1) in that unit."""
+        given = self.at
+        if given is None:
+            return Thickness(float(np.float32(self.typical / unit)), None)
+        return Thickness(self.typical / unit, lambda at: given(centre + unit * at) / unit)
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """What is to be meshed.
+
+    area: without holes.  white: white matter, with the holes in it.  pial, bases: lines along the boundary.
+    surface, within, walls: the smooth curves of pial surface, interface and holes.  thickness: typical.
+    depth: of the interface below the pial surface if it is the same everywhere, else 0.
+    """
+
+    area: MultiPolygon
+    white: MultiPolygon
+    holes: MultiPolygon
+    bases: list[Array]
+    surface: Trace
+    within: Trace | None
+    walls: Trace | None
+    size: float
+    thickness: float
+    depth: float
+
+    def on_surface(self, at: Array) -> Array:
+        """Return points (2, n) put on the pial surface as given, where they are almost on it."""
+        return _snapped(self.surface, at, NEAR * self.size)
+
+    def on_wall(self, at: Array) -> Array:
+        """Return points (2, n) put on the walls of the holes as given, where they are almost on them."""
+        return at if self.walls is None else _snapped(self.walls, at, NEAR * self.size)
+
+    def on_interface(self, at: Array) -> Array:
+        """Return points (2, n) put on the white surface as given, or at the depth of one thickness."""
+        if self.within is not None:
+            return _snapped(self.within, at, NEAR * self.size)
+        if not self.depth:
+            return at
+        feet = self.surface.feet(at)
+        distance = np.hypot(*(at - feet))
+        near = np.abs(distance - self.depth) < max(NEAR * self.size, OFFSET * self.depth)
+        deep = feet + (self.depth / np.where(near, distance, 1.0)) * (at - feet)
+        return np.where(near, deep, at)
+
+
+def _snapped(curves: Trace, at: Array, tolerance: float) -> Array:
+    feet = curves.feet(at)
+    return np.where(np.hypot(*(feet - at)) < tolerance, feet, at)
+
+
+def domain(
+    given: Given, thickness: Thickness, size: float, inset: float, smooth: float, unit: float
+) -> tuple[Domain, Changes]:
+    """Return the sets that elements of a size can fill, and what had to be changed.
+
+    inset: half the least distance of walls of sulci.  smooth: details of the curves below this go.  unit: of
+    all lengths, m, for messages.
+    Raises ValueError if no tissue or no white matter is left.
+    """
+    step = size / FINE
+    surface = traced(given.pial, step, smooth, given.bases)
+    measured = even_odd(surface.polygons)
+    bases = shapely.union_all([LineString(base.T) for base in surface.bases])
+    area = fitted(measured, size, inset, bases)
+    if area.is_empty:
+        raise ValueError(
+            f"no part of the outline is as large as an element: the area is {measured.area:.3g} of its "
+            "extent squared; use smaller elements (size=...)."
+        )
+    pial = area.boundary.difference(bases.buffer(1e-6 * size)) if given.bases else area.boundary
+    within = None if given.white is None else traced(given.white, step, smooth)
+    even = thickness.at is None and within is None
+    if even:
+        _refuse_thick(area, pial, thickness.typical, unit)
+    raw = _white(area, pial, thickness, size) if within is None else even_odd(within.polygons)
+    least = min(size, 0.9 * thickness.typical)
+    room = raw if even else below(area, pial, least)
+    raw = raw.intersection(room)
+    white = smoothed(raw, size, 0.25 * size).intersection(room)
+    if given.bases:
+        near = bases.buffer(0.75 * size)
+        white = white.difference(near).union(raw.intersection(near))
+    white, walls, holes = large(white, size**2), None, MultiPolygon()
+    if given.holes:
+        walls = traced(given.holes, step, smooth)
+        deep = below(area, pial, 2 * size).difference(bases.buffer(size))
+        holes = large(opened(even_odd(walls.polygons).intersection(deep), 0.25 * size), size**2)
+        white = large(white.union(holes.buffer(size)).intersection(below(area, pial, least)), size**2)
+    if white.is_empty:
+        raise ValueError(
+            "thickness leaves no white matter anywhere inside the outline; use a thinner cortex, and the "
+            "same unit for thickness and points."
+        )
+    made = Domain(
+        area, white, holes, surface.bases, surface, within, walls, size, thickness.typical,
+        thickness.typical if even else 0.0,
+    )  # fmt: skip
+    return made, _changes(given, surface, measured, made, within)
+
+
+def _white(area: MultiPolygon, pial: BaseGeometry, thickness: Thickness, size: float) -> BaseGeometry:
+    """Return what lies deeper than the cortex is thick."""
+    if thickness.at is None:
+        return below(area, pial, thickness.typical)
+    gray = []
+    for line in shapely.get_parts(shapely.line_merge(pial)):
+        count = max(8, int(np.ceil(2 * line.length / size)))
+        at = shapely.get_coordinates(line.interpolate(np.linspace(0.0, line.length, count + 1))).T
+        gray.append(tapered(at, thickness.at(at)))
+    return area.difference(shapely.union_all(gray))
+
+
+def _refuse_thick(area: MultiPolygon, pial: BaseGeometry, thickness: float, unit: float) -> None:
+    """Raise ValueError for a cortex thicker than 2/3 of the largest depth below the pial surface.
+
+    Less than 1 % of the deepest place is then cortex by θ(y) = 1/(1 + exp(10 (y/T - 1))).
+    """
+    if not below(area, pial, thickness / DEEPEST).is_empty:
+        return
+    low, high = 0.0, thickness / DEEPEST
+    for _ in range(16):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if below(area, pial, middle).is_empty else (middle, high)
+    raise ValueError(
+        f"thickness={thickness * unit:g} m must be at most {DEEPEST * low * unit:.4g} m, two thirds of the "
+        f"largest depth below the pial surface ({low * unit:.4g} m), or it leaves hardly any white matter; "
+        "use a thinner cortex, and the same unit for thickness and points."
+    )
+
+
+def _changes(
+    given: Given, surface: Trace, measured: BaseGeometry, made: Domain, within: Trace | None
+) -> Changes:
+    notes = []
+    for k, loop in enumerate(given.pial):
+        if not Polygon(loop.T).is_valid:
+            notes.append(
+                f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
+            )
+    before, after = measured.area, made.area.area
+    lost = measured.difference(made.area)
+    dropped = [one for one in pieces(measured) if not one.intersects(made.area)]
+    stay = [loop for loop in surface.polygons if not any(one.contains(_some(loop)) for one in dropped)]
+    cortex = float("nan")
+    if within is not None:
+        ribbon = measured.difference(even_odd(within.polygons)).area
+        cortex = made.area.difference(made.white).area / ribbon - 1
+    return Changes(
+        moved=moved(stay, made.area),
+        lost=lost.area / before,
+        added=(after - before + lost.area) / before,
+        cortex=cortex,
+        dropped=tuple((one.centroid.x, one.centroid.y, one.area) for one in dropped),
+        smallest_angle=float("nan"),
+        notes=tuple(notes),
+    )
+
+
+def _some(loop: Array) -> BaseGeometry:
+    return shapely.make_valid(Polygon(loop.T)).representative_point()

@@ -1,0 +1,197 @@
+"""Closed curves as they are given: checked, sampled along smooth lines, and found again from any point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..arrays import Array, Integers
+from ..checks import finite_array, real_array
+from .line import Line, line
+
+FEWEST = 8  # different points that make an outline
+MERGE = 1e-9  # points closer than this share of the extent are one point
+GAP = 5.0  # a curve is open if its ends are farther apart than this many times its longest other segment
+
+
+def closed_loops(name: str, given: Any) -> list[Array]:
+    """Return closed curves, each (2, n), counter-clockwise, without repeated points.
+
+    given: one curve, (2, n) or (n, 2), or several in a list.
+    Raises ValueError for other shapes, values that are not finite, fewer than 8 different points, and open
+    curves (ends farther apart than 5 times the longest other segment).
+    """
+    several = isinstance(given, (list, tuple)) and len(given) > 0 and all(np.ndim(one) == 2 for one in given)
+    curves = given if several else [given]
+    return [_closed(f"{name}[{k}]" if several else name, curve) for k, curve in enumerate(curves)]
+
+
+def _closed(name: str, points: Any) -> Array:
+    curve = real_array(name, points)
+    if curve.ndim != 2 or 2 not in curve.shape:
+        raise ValueError(f"{name} has shape {curve.shape}; it must be (2, n) or (n, 2).")
+    curve = curve if curve.shape[0] == 2 else curve.T
+    if not np.isfinite(curve).all():
+        k = int(np.flatnonzero(~np.isfinite(curve).all(axis=0))[0])
+        raise ValueError(f"point {k} of {name} is {shown(curve[:, k])}; every coordinate must be finite.")
+    extent = float(np.ptp(curve, axis=1).max())
+    curve = curve[:, np.hypot(*(curve - np.roll(curve, 1, axis=1))) > MERGE * extent]
+    count = len(np.unique(np.round(curve / (MERGE * extent)), axis=1).T) if extent > 0 else 1
+    if count < FEWEST:
+        raise ValueError(f"{name} has {count} different points; give at least {FEWEST} along the outline.")
+    length, ends = np.hypot(*np.diff(curve, axis=1)), curve[:, [0, -1]]
+    if (gap := float(np.hypot(*(ends[:, 1] - ends[:, 0])))) > GAP * length.max():
+        raise ValueError(
+            f"{name} is an open curve: its ends {shown(ends[:, 0])} and {shown(ends[:, 1])} are {gap:.3g} "
+            f"apart, its longest segment is {length.max():.3g}. Add the missing part, e.g. along the base."
+        )
+    x, y = curve
+    return np.array(curve if x @ np.roll(y, -1) > y @ np.roll(x, -1) else curve[:, ::-1])
+
+
+def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[int, int, int]]:
+    """Return each base as (loop, its first point, its last point); it runs counter-clockwise along the loop.
+
+    base_ends: two points, (2, 2), or such a pair for each base, (n, 2, 2).
+    Raises ValueError for ends farther than `size` from every loop, or nearest to one and the same point.
+    """
+    if base_ends is None:
+        return []
+    pairs = finite_array("base_ends", np.reshape(base_ends, (-1, 2, 2)), (None, 2, 2))
+    everything = np.concatenate(loops, axis=1)
+    owner = np.repeat(np.arange(len(loops)), [loop.shape[1] for loop in loops])
+    bases = []
+    for ends in pairs:
+        for end in ends:
+            distance, near = min((_nearest(loop, end) for loop in loops), key=lambda found: found[0])
+            if distance > size:
+                raise ValueError(
+                    f"base_ends: {shown(end)} m is {distance:.3g} m from the outline, more than size="
+                    f"{size:g} m; its nearest point is {shown(near)} m. Give points on the outline, in "
+                    "its unit."
+                )
+        k = owner[int(np.argmin(np.hypot(*(everything - ends[0][:, None]))))]
+        first, last = (int(np.argmin(np.hypot(*(loops[k] - end[:, None])))) for end in ends)
+        if first == last:
+            raise ValueError(
+                f"base_ends {ends.tolist()} are nearest to the same point of the outline, "
+                f"{shown(loops[k][:, first])}; give two ends that are farther apart."
+            )
+        bases.append((int(k), first, last))
+    return bases
+
+
+def _nearest(loop: Array, point: Array) -> tuple[float, Array]:
+    """Return the distance of a point (2,) from a closed polygon (2, n), and the nearest point of it."""
+    step = np.roll(loop, -1, axis=1) - loop
+    share = np.clip(((point[:, None] - loop) * step).sum(0) / (step**2).sum(0), 0.0, 1.0)
+    feet = loop + share * step
+    distance = np.hypot(*(point[:, None] - feet))
+    return float(distance.min()), feet[:, int(np.argmin(distance))]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Closed polygons sampled densely along smooth lines, and the way back from a point to those lines.
+
+    polygons: (2, n) each.  lines: smooth parts.  which, low, high: per sample, in order, the line on which
+    the way to the next sample lies (-1: straight), and the arc lengths of both on it.
+    bases: straight parts that are not pial, (2, n) each.
+    """
+
+    polygons: list[Array]
+    lines: list[Line]
+    which: Integers
+    low: Array
+    high: Array
+    bases: list[Array] = field(default_factory=list)
+
+    def feet(self, at: Array) -> Array:
+        """Return about the nearest points of the curves to points (2, n), on the smooth lines; (2, n)."""
+        start = np.concatenate(self.polygons, axis=1)
+        end = np.concatenate([np.roll(one, -1, axis=1) for one in self.polygons], axis=1)
+        counts = [one.shape[1] for one in self.polygons]
+        before = np.concatenate([np.roll(np.arange(n), 1) for n in counts]) + np.repeat(
+            np.cumsum([0, *counts[:-1]]), counts
+        )
+        near = np.asarray(cKDTree(start.T).query(at.T)[1])
+        best, found = np.full(at.shape[1], np.inf), at.copy()
+        for k in (near, before[near]):
+            step = end[:, k] - start[:, k]
+            share = np.clip(((at - start[:, k]) * step).sum(0) / (step**2).sum(0), 0.0, 1.0)
+            feet, s = start[:, k] + share * step, self.low[k] + share * (self.high[k] - self.low[k])
+            for number, smooth in enumerate(self.lines):
+                on = self.which[k] == number
+                feet[:, on] = smooth.at(s[on])
+            distance = np.hypot(*(at - feet))
+            found = np.where(distance < best, feet, found)
+            best = np.minimum(best, distance)
+        return found
+
+
+def traced(
+    loops: list[Array], step: float, smooth: float = 0.0, bases: Sequence[tuple[int, int, int]] = ()
+) -> Trace:
+    """Return loops (2, n) sampled every `step` along the splines through their points; bases stay as given.
+
+    Points closer than 0.8 steps to the one before are left out. smooth: details shorter than this go.
+    """
+    polygons, lines, bottoms = [], [], []
+    pieces: list[tuple[int, Array, Array]] = []
+    for k, loop in enumerate(loops):
+        points = []
+        for part, curved in _parts(loop, [base[1:] for base in bases if base[0] == k]):
+            closed = curved and part is loop
+            if curved:
+                lines.append(line(_thinned(part, closed, 0.8 * step), closed, smooth))
+                s = np.append(lines[-1].spaced(step), lines[-1].length if closed else [])
+                points.append(lines[-1].at(s[:-1]))
+                pieces.append((len(lines) - 1, s[:-1], s[1:]))
+            else:
+                bottoms.append(part)
+                points.append(part[:, :-1])
+                pieces.append((-1, np.zeros(part.shape[1] - 1), np.zeros(part.shape[1] - 1)))
+        polygons.append(np.concatenate(points, axis=1))
+    which = np.concatenate([np.full(len(low), number) for number, low, _ in pieces])
+    low, high = (np.concatenate([piece[k] for piece in pieces]) for k in (1, 2))
+    return Trace(polygons, lines, which, low, high, bottoms)
+
+
+def _parts(loop: Array, bases: list[tuple[int, int]]) -> list[tuple[Array, bool]]:
+    """Return the parts of a loop in order, each with its last point, and whether it is pial."""
+    if not bases:
+        return [(loop, True)]
+    order = sorted(bases)
+    turned, count = np.roll(loop, -order[0][0], axis=1), loop.shape[1]
+    turned = np.concatenate([turned, turned[:, :1]], axis=1)
+    parts = []
+    for k, (first, last) in enumerate(order):
+        begin, end = ((i - order[0][0]) % count for i in (first, last))
+        onward = (order[k + 1][0] - order[0][0]) if k + 1 < len(order) else count
+        if end > onward or end < begin:
+            raise ValueError("base_ends: the bases overlap along the outline; give them counter-clockwise.")
+        parts += [(turned[:, begin : end + 1], False), (turned[:, end : onward + 1], True)]
+    return [(part, curved) for part, curved in parts if part.shape[1] > 1]
+
+
+def _thinned(curve: Array, closed: bool, spacing: float) -> Array:
+    """Return the curve without points nearer than `spacing` to the last kept one; open ends stay."""
+    kept, last = [0], curve.shape[1] - 1
+    x, y = curve.tolist()
+    for k in range(1, last + 1):
+        if np.hypot(x[k] - x[kept[-1]], y[k] - y[kept[-1]]) >= spacing:
+            kept.append(k)
+    if not closed and kept[-1] != last:
+        kept = [*(kept[:-1] if len(kept) > 1 else kept), last]
+    if closed and len(kept) > 3 and np.hypot(*(curve[:, kept[-1]] - curve[:, 0])) < spacing:
+        kept = kept[:-1]
+    return curve[:, kept]
+
+
+def shown(point: Array) -> str:
+    """Return a point as text."""
+    return f"({point[0]:.4g}, {point[1]:.4g})"

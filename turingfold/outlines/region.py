@@ -1,0 +1,110 @@
+"""Planar sets of tissue, by shapely: real contours made fit for elements of a given size."""
+
+from __future__ import annotations
+
+from functools import reduce
+
+import numpy as np
+import shapely
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ..arrays import Array
+
+SLIVER = 1e-3  # share of the size below which a gap is round-off
+THIN = 0.02  # share of the size below which what rounding takes away is no bridge
+CLEFT = 1.0  # of the size: shorter gaps between walls are filled, longer ones opened
+ARC, ROUND = 32, 8  # points on a quarter of a circle: around the depth of the cortex, in rounded corners
+
+
+def pieces(area: BaseGeometry) -> list[Polygon]:
+    """Return the polygons of a set, without the lines and points that repairs leave."""
+    return [
+        one for one in shapely.get_parts(shapely.get_parts(area)) if isinstance(one, Polygon) and one.area
+    ]
+
+
+def even_odd(loops: list[Array]) -> BaseGeometry:
+    """Return the points that lie inside an odd number of turns of closed curves (2, n)."""
+    return reduce(
+        shapely.symmetric_difference,
+        (MultiPolygon(pieces(shapely.make_valid(Polygon(one.T)))) for one in loops),
+    )
+
+
+def rings(area: BaseGeometry) -> list[Array]:
+    """Return all rings of a set, counter-clockwise, (2, n) with the first point repeated."""
+    found = [ring for one in pieces(area) for ring in (one.exterior, *one.interiors)]
+    return [shapely.get_coordinates(ring if ring.is_ccw else ring.reverse()).T for ring in found]
+
+
+def opened(area: BaseGeometry, radius: float) -> BaseGeometry:
+    """Return the union of the discs of a radius that lie inside."""
+    return area.buffer(-radius, quad_segs=ROUND).buffer(radius, quad_segs=ROUND)
+
+
+def closed(area: BaseGeometry, radius: float) -> BaseGeometry:
+    """Return the complement of the union of the discs that lie outside."""
+    return area.buffer(radius, quad_segs=ROUND).buffer(-radius, quad_segs=ROUND)
+
+
+def smoothed(area: BaseGeometry, size: float, gap: float) -> BaseGeometry:
+    """Return a set whose parts are at least about size/2 thick, with gaps of at least `gap` between them.
+
+    Thin parts go, short gaps are filled; where that would leave a thin bridge the gap is made wider instead.
+    """
+    thick = closed(opened(area, 0.25 * size), 0.5 * gap).simplify(SLIVER * size)
+    thin = thick.difference(opened(thick, 0.22 * size)).buffer(-THIN * size)
+    return opened(thick.difference(thin.buffer(gap + THIN * size)), 0.2 * size) if pieces(thin) else thick
+
+
+def large(area: BaseGeometry, least: float) -> MultiPolygon:
+    """Return the set without pieces smaller, and with holes filled that are smaller than an area."""
+    kept = [one for one in pieces(area) if one.area >= least]
+    return MultiPolygon(
+        [Polygon(one.exterior, [h for h in one.interiors if Polygon(h).area >= least]) for one in kept]
+    )
+
+
+def fitted(area: BaseGeometry, size: float, inset: float, bases: BaseGeometry) -> MultiPolygon:
+    """Return tissue that elements of a size can fill, changed only where it must be.
+
+    Walls nearer than 2·inset to each other are moved apart, by inset each, where they run side by side for
+    more than `size`; shorter gaps are filled. Tissue thinner than size/2 is taken away, corners are rounded,
+    pieces and holes below size² are left out. Within 0.75 size of `bases` (lines) nothing changes.
+    """
+    tissue = large(area.simplify(SLIVER * size), SLIVER * size**2)
+    gaps = closed(tissue, inset).difference(tissue).buffer(-SLIVER * size)
+    spread = inset + SLIVER * size
+    for gap in pieces(gaps):
+        x0, y0, x1, y1 = gap.bounds
+        if np.hypot(x1 - x0, y1 - y0) > CLEFT * size:
+            tissue = tissue.difference(gap.buffer(spread))
+    tissue = smoothed(tissue, size, min(0.25 * size, inset))
+    if not bases.is_empty:
+        near = bases.buffer(0.75 * size)
+        tissue = tissue.difference(near).union(area.intersection(near))
+    return large(tissue, size**2)
+
+
+def below(area: BaseGeometry, pial: BaseGeometry, depth: float) -> BaseGeometry:
+    """Return what lies at least a depth below the pial lines of a boundary."""
+    if pial.equals(area.boundary):
+        return area.buffer(-depth, quad_segs=ARC)
+    return area.difference(pial.buffer(depth, quad_segs=ARC))
+
+
+def tapered(points: Array, thickness: Array) -> BaseGeometry:
+    """Return what lies within its own thickness (n,) of each point (2, n) of a polyline, and between them."""
+    discs = shapely.buffer(shapely.points(points.T), thickness, quad_segs=12)
+    pairs = shapely.geometrycollections(np.stack([discs[:-1], discs[1:]], axis=1))
+    return shapely.union_all(shapely.convex_hull(pairs))
+
+
+def moved(loops: list[Array], area: BaseGeometry) -> float:
+    """Return the largest distance of points of curves (2, n) from the boundary of a set."""
+    ends = [shapely.get_coordinates(ring) for ring in shapely.get_parts(area.boundary)]
+    segments = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in ends])
+    at = shapely.points(np.concatenate(loops, axis=1).T)
+    tree = shapely.STRtree(shapely.linestrings(segments))
+    return float(tree.query_nearest(at, return_distance=True, all_matches=False)[1].max())
