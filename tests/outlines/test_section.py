@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from planar import area
 
 from turingfold import Section, read_outline, surface_section
-from turingfold.geometry.polygon import area
 
 BESIDE = Path(__file__).parents[3] / "shared" / "reference" / "sections"
 REAL = Path(os.environ.get("BRAIN_SECTIONS", BESIDE))

@@ -72,7 +72,8 @@ def section(
         for layer in (body.in_cortex, ~body.in_cortex):
             if layer.any():
                 shaded(axes, points, body, layer, at_nodes(body, values, layer), colors)
-        axes.plot(*(MM * around(points[:, body.interface])), color="white", linewidth=0.6, alpha=0.8)
+        for path in body.interface_paths:
+            axes.plot(*(MM * around(points[:, path.nodes])), color="white", linewidth=0.6, alpha=0.8)
         edge(axes, points, body)
     frame(axes)
     scale_bar(axes, body)
@@ -92,9 +93,14 @@ def outline(axes: Axes, body: Body, *, color: str = "white", label: str = "befor
     """Draw the undeformed outline, dashed; it shows on light and on dark."""
     from matplotlib.patheffects import withStroke
 
-    points = MM * around(along_pial(body, body.nodes[:, body.pial]))
+    parts = [body.nodes[:, path.nodes] for path in body.pial_paths]
     halo = [withStroke(linewidth=2.4, foreground=INK)]
-    axes.plot(*points, color=color, linewidth=1.2, linestyle=(0, (4, 3)), label=label, path_effects=halo)
+    for part in [along_pial(body, parts[0])] if len(parts) == 1 else parts:
+        axes.plot(
+            *(MM * around(part)), color=color, linewidth=1.2, linestyle=(0, (4, 3)), label=label,
+            path_effects=halo,
+        )  # fmt: skip
+        label = "_"
 
 
 def activator(axes: Axes, result: Result, *, bar: bool = True) -> None:

@@ -115,12 +115,23 @@ def sulci(count: int) -> str:
 
 def core(axes: Axes, points: Array, body: Body) -> None:
     """Fill the body with the colour of tissue that shows nothing."""
-    path = np.concatenate([body.pial, _closing(body)])
-    axes.fill(*(MM * points[:, path]), color=CORE, linewidth=0)
+    if len(body.pial_paths) == 1 and "hole" not in body.mesh.boundaries:
+        path = np.concatenate([body.pial, _closing(body)])
+        axes.fill(*(MM * points[:, path]), color=CORE, linewidth=0)
+        return
+    from matplotlib.collections import PolyCollection
+
+    triangles = list(MM * points[:, body.mesh.t].transpose(2, 1, 0))
+    axes.add_collection(PolyCollection(triangles, facecolor=CORE, edgecolor=CORE, linewidth=0.3))
 
 
 def edge(axes: Axes, points: Array, body: Body) -> None:
-    """Draw the pial surface and the base."""
+    """Draw the pial surface, the base and the walls of holes."""
+    if len(body.pial_paths) > 1 or "hole" in body.mesh.boundaries:
+        for name in body.mesh.boundaries:
+            for path in body.boundary_paths(name):
+                axes.plot(*(MM * around(points[:, path.nodes])), color=INK, linewidth=0.8)
+        return
     axes.plot(*(MM * around(points[:, body.pial])), color=INK, linewidth=0.8)
     closing = _closing(body)
     if closing.size and not body.mirror:

@@ -15,8 +15,8 @@ from ..checks import between, finite_array, instance, one_of, positive
 from ..geometry.body import BASES, Body
 from ..geometry.shapes import element_size
 from .domain import Given, Thickness, domain
-from .loops import closed_loops, placed_bases
 from .frame import GRAIN
+from .loops import closed_loops, placed_bases
 from .mesh import meshed
 from .section import Section
 from .units import note_large
@@ -125,8 +125,8 @@ def outline(
 
     scaled = depth.scaled(centre, unit)
     given = Given(near(loops), bases, None if white is None else near(white), near(ventricles))
-    lengths = (float(np.float32(one / unit)) for one in (step, walls, smooth))
-    made, changes = domain(given, scaled, *lengths, unit)
+    edge, apart, shorter = (float(np.float32(one / unit)) for one in (step, walls, smooth))
+    made, changes = domain(given, scaled, edge, apart, shorter, unit)
     mesh, smallest = meshed(made, lambda at: finest(centre + unit * at) / unit, grading, centre, unit)
     changes = replace(
         changes,

@@ -11,10 +11,10 @@ from typing import Any
 from xml.parsers.expat import ExpatError
 
 import numpy as np
+from shapely import Polygon
 
 from ..arrays import Array, Integers
 from ..checks import file_path, finite, finite_array, one_of
-from ..geometry.polygon import area
 from .image import DAMAGE, PLANES
 from .section import Section
 from .units import metres
@@ -49,7 +49,7 @@ def surface_section(
     curves: dict[str, list[Array]] = {}
     for name, each in surfaces.items():
         found = [loop for item in each for loop in _cut(*item, across, at / scale, scale, name)]
-        curves[name] = sorted(found, key=lambda loop: -abs(area(loop)))
+        curves[name] = sorted(found, key=lambda loop: -Polygon(loop.T).area)
     if not curves["pial"]:
         low = scale * min(points[:, across].min() for points, _, _ in surfaces["pial"])
         high = scale * max(points[:, across].max() for points, _, _ in surfaces["pial"])

@@ -47,7 +47,10 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     averaging along fold_smoothing, m.  mirror_error: m, None for a body that is not its own mirror image.
     registration, registration_p: with the pattern, and the share of the pattern's phases that register as
     well or better; None without a pattern.
+    Of a pial surface in several parts see `_numbers_of_parts`.
     """
+    if len(body.pial_paths) > 1:
+        return _numbers_of_parts(body, state)
     from ..morphometry.closing import closing_radius
     from ..morphometry.folds import find_folds
     from ..morphometry.polyline import InnerWall
@@ -78,6 +81,67 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
         "registration": None if found is None else found.value,
         "registration_p": None if found is None else found.p,
     }
+
+
+def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
+    """Return the numbers of `fold_numbers` for a pial surface in several parts.
+
+    Folds are those of the outer surfaces of all pieces of tissue, their depth the mean over all sulci. The
+    gyrification index is the length of all parts, with closed-off sulci, over that of the pieces' hulls.
+    """
+    import shapely
+
+    from ..morphometry.folds import find_folds
+    from ..morphometry.polyline import enclosed_area
+    from ..morphometry.walls import self_intersections
+
+    parts = _parts(body, state["displacement"])
+    outer = [pial for pial, closed in parts if not closed or enclosed_area(pial) > 0]
+    folds = [find_folds(pial, thickness=body.thickness) for pial in outer]
+    lines = [shapely.LineString(np.hstack((pial, pial[:, : int(closed)])).T) for pial, closed in parts]
+    crossings = sum(self_intersections(pial, closed=closed) for pial, closed in parts) + sum(
+        len(shapely.get_coordinates(one.intersection(other)))
+        for k, one in enumerate(lines)
+        for other in lines[:k]
+    )
+    count = sum(found.count for found in folds)
+    return {
+        "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
+        "self_intersections": crossings,
+        "gyrification_index": gyrification(body, state["displacement"]),
+        "closed_gyrification_index": None,
+        "closing_radius": None,
+        "folds": count,
+        "sulcal_depth": sum(found.count * found.depth for found in folds) / max(1, count),
+        "least_fold_depth": folds[0].prominence,
+        "fold_smoothing": folds[0].smoothing,
+        "mirror_error": None,
+        "registration": None,
+        "registration_p": None,
+    }
+
+
+def _parts(body: Body, displacement: Array) -> list[tuple[Array, bool]]:
+    moved = body.nodes + displacement
+    return [(moved[:, path.nodes], path.closed) for path in body.pial_paths]
+
+
+def gyrification(body: Body, displacement: Array) -> float:
+    """Return the gyrification index of the deformed pial surface, of several parts that of all together."""
+    from ..morphometry.polyline import as_polyline, enclosed_area
+    from ..morphometry.shape import gyrification_index
+
+    if len(body.pial_paths) == 1:
+        pial = along_pial(body, (body.nodes + displacement)[:, body.pial])
+        return gyrification_index(pial, closed=pial_closed(body))
+    parts = _parts(body, displacement)
+    lengths = [as_polyline(pial, closed).length for pial, closed in parts]
+    hulls = [
+        length / gyrification_index(pial, closed=closed)
+        for length, (pial, closed) in zip(lengths, parts, strict=True)
+        if not closed or enclosed_area(pial) > 0
+    ]
+    return sum(lengths) / sum(hulls)
 
 
 def pial_pattern(body: Body, state: State) -> Array | None:

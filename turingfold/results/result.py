@@ -94,10 +94,17 @@ class Result:
 
         That is counter-clockwise round a body. Where the body lies outside, as round a ventricle, it is
         clockwise and an `InnerWall`, of which curvature, folds and registration have the right sign.
-        Raises ValueError for a step that is none of the states'.
+        Raises ValueError for a step that is none of the states', and for a surface in several parts: for
+        those there is `pial_parts`.
         """
         body = self.scene.body
         return along_pial(body, (body.nodes + self._state(step)["displacement"])[:, body.pial])
+
+    def pial_parts(self, step: int = -1) -> list[Array]:
+        """Return the parts of a state's deformed pial surface, (2, n) each, in the order of `pial_paths`."""
+        body = self.scene.body
+        moved = body.nodes + self._state(step)["displacement"]
+        return [moved[:, path.nodes] for path in body.pial_paths]
 
     def at(self, *, time: float, exact: bool = False) -> State:
         """Return the state nearest to a time; `pial`, `pattern` and `observe` take it in place of a step.

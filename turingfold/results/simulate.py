@@ -18,8 +18,8 @@ from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
 from ..state import State
+from .measures import gyrification
 from .result import FilePath, Result, Row, observe
-from .surface import along_pial, pial_closed
 
 if TYPE_CHECKING:
     from .folder import ResultFolder
@@ -166,11 +166,8 @@ class _Run:
 
     def _accept(self, step: Step, position: Progress) -> None:
         """Measure a step, write it down, and only then count it."""
-        from ..morphometry.shape import gyrification_index
-
         before, state, body = self.states[-1].time, step.state, self.scene.body
-        pial = along_pial(body, (body.nodes + state["displacement"])[:, body.pial])
-        index = gyrification_index(pial, closed=pial_closed(body))
+        index = gyrification(body, state["displacement"])
         row = {**step.numbers, "growth": largest_growth(state), "gyrification_index": index}
         row["inverted_elements"] = len(folded_over(body.mesh, body.nodes + state["displacement"]))
         began = perf_counter()

@@ -239,12 +239,12 @@ def _far(body: Body, end: int, outward: Array) -> Array:
 
 def _outward(body: Body) -> Iterator[tuple[int, Array]]:
     """Yield each end of the pial surface on a straight base or mirror, and the way onward from there."""
-    ends = [] if body.pial_curve.closed else [body.pial[0], body.pial[-1]]
+    ends = [n for path in body.pial_paths if not path.closed for n in path.nodes[[0, -1]].tolist()]
     for name in ("base", "mirror"):
         if name not in body.mesh.boundaries or (name == "base" and body.base == "free"):
             continue
-        path = body.boundary_path(name)[0]
-        for end, neighbour in ((path[0], path[1]), (path[-1], path[-2])):
-            if end in ends:
-                onward = body.nodes[:, end] - body.nodes[:, neighbour]
-                yield int(end), onward / np.hypot(*onward)
+        for path in body.boundary_paths(name):
+            for end, neighbour in (path.nodes[:2], path.nodes[:-3:-1]):
+                if end in ends:
+                    onward = body.nodes[:, end] - body.nodes[:, neighbour]
+                    yield int(end), onward / np.hypot(*onward)

@@ -60,7 +60,7 @@ def points_on(body: Body) -> Points:
     """Return the integration points of the mixed element on a body."""
     quadrature = Quadrature.of(Basis(body.mesh, ElementTriP2(), intorder=ORDER))
     flat = quadrature.points.reshape(2, -1)
-    tangent = body.pial_curve.nearest(flat)[1].reshape(quadrature.points.shape)
+    tangent = body.pial_curves.nearest(flat)[1].reshape(quadrature.points.shape)
     here, there = quadrature.shapes, body.quadrature.shapes
     slopes = np.concatenate([quadrature.derivatives, _bubble_slope(_corners(here))[None]])
     shown = np.concatenate([body.quadrature.derivatives, _bubble_slope(_corners(there))[None]])
