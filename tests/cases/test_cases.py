@@ -1,9 +1,11 @@
 """Every case: its form, the start of each of its scenes, and, slow, its quick version with its figure."""
 
+import ast
 import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from turingfold import simulate
@@ -34,6 +36,55 @@ def test_a_case_says_what_it_is_and_how_to_run_it(path):
     assert case.title.endswith((" s.", " min.", " h."))  # the run time
     assert f"turingfold run cases/{path.name}" in case.module.__doc__
     assert case.draw is not None
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_a_case_uses_only_what_is_public(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        assert not [name for name in names if name.startswith("turingfold.")]
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_a_case_has_parameters_with_range_and_label(path):
+    parameters = load_case(path).parameters
+    assert {"thickness", "elements"} <= parameters.keys() | ({"thickness"} if "coat" in parameters else set())
+    for one in parameters.values():
+        assert one.meaning.label
+        assert one.kind in (bool, str) or np.isfinite([one.meaning.low, one.meaning.high]).all()
+        assert one.checked(one.default) == one.default
+
+
+@pytest.mark.parametrize("name", ["figure2", "figure3"])
+def test_the_figures_have_the_parameters_of_document_1(name):
+    (path,) = [path for path in CASES if path.stem == name]
+    shape = {"radius"} if name == "figure3" else {"width", "height"}
+    wanted = (
+        "thickness elements young_gray young_white poisson cortex core radial_core strength half_waves "
+        "kinetics tension pattern two_layers base seed"
+    )
+    assert load_case(path).parameters.keys() == shape | set(wanted.split())
+
+
+def test_hypotheses_that_are_off_are_absent():
+    (path,) = [path for path in CASES if path.stem == "figure3"]
+    given = {"tension": False, "pattern": False, "two_layers": False}
+    (scene,) = load_case(path).scenes(given, quick=True).values()
+    assert [type(part).__name__ for part in (*scene.processes, *scene.terms)] == [
+        "TangentialGrowth", "Elastic", "SelfContact",
+    ]  # fmt: skip
+    assert scene.terms[0].white is None
+
+
+def test_a_body_that_grows_evenly_on_rollers_is_free_of_stress():
+    # one material and one factor along and across: the body is 1.2 times as large, F* = 1 in the plane
+    (path,) = [path for path in CASES if path.stem == "hypotheses"]
+    scene = load_case(path).scenes({"base": "roller"}, quick=True)["none"]
+    result = simulate(scene)
+    body, modulus = scene.body, scene.terms[0].gray.mu
+    np.testing.assert_allclose(result.last["displacement"], 0.2 * body.nodes, atol=1e-9 * body.length)
+    assert np.abs(result.observe()["von_mises"]).max() < 1e-8 * modulus
 
 
 @pytest.mark.parametrize("path", [slow_if_long(path) for path in CASES])

@@ -235,4 +235,4 @@ def test_a_table_grows_as_points_end_and_outlives_what_comes_after(tmp_path, mon
     monkeypatch.setattr("turingfold.cli.sweep.draw", broken)
     with pytest.raises(RuntimeError, match="no picture"):
         main(["sweep", "patch", "--quick", "--vary", "cortex=1.01,1.02"])
-    assert seen == [["cortex=1.01"], ["cortex=1.01", "cortex=1.02"]]
+    assert seen == [[], ["cortex=1.01"], ["cortex=1.01", "cortex=1.02"]]

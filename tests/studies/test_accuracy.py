@@ -163,6 +163,6 @@ def test_an_interrupt_before_the_start_is_no_crash(tmp_path, monkeypatch, capsys
     def stopped(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("turingfold.cli.main._accuracy", stopped)
+    monkeypatch.setattr("turingfold.cli.accuracy.find_case", stopped)
     assert main(["accuracy", "small.py"]) == 130
     assert "stopped." in capsys.readouterr().err

@@ -14,14 +14,13 @@ import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TextIO, TypeAlias
+from typing import TextIO
 
-from .request import Interrupted, Request, Running
+from .commands import COMMANDS
+from .parser import parser
+from .request import Interrupted
 from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, complain, say
 
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
-
-FIGURES = (".png", ".pdf", ".svg")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
 
@@ -57,7 +56,7 @@ def _done(options: argparse.Namespace) -> int:
     """Do it, in one thread if not asked otherwise, and say in words what fails."""
     for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
         os.environ[name] = str(options.threads)
-    if options.command is not _app:  # a notebook's may not be installed here; files need none
+    if options.command != "app":  # a notebook's may not be installed here; files need none
         os.environ["MPLBACKEND"] = "agg"
     logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
     from ..errors import SolveError
@@ -67,7 +66,7 @@ def _done(options: argparse.Namespace) -> int:
         warnings.simplefilter("default", UserWarning)
         warnings.showwarning = _note
         try:
-            return int(options.command(options))
+            return COMMANDS[options.command](options)
         except SolveError as error:
             return _failed(options, str(error), STOPPED)
         except OSError as error:
@@ -76,249 +75,6 @@ def _done(options: argparse.Namespace) -> int:
             return _failed(options, words, IO_FAILED)
         except ValueError as error:
             return _failed(options, str(error), BAD_INPUT)
-
-
-def parser() -> argparse.ArgumentParser:
-    """Return the parser of the command line."""
-    top = argparse.ArgumentParser(prog="turingfold", description="Cortical folding in two dimensions.")
-    top.add_argument("--version", action="store_true", help="say which version this is")
-    commands = top.add_subparsers(metavar="COMMAND")
-    common = argparse.ArgumentParser(add_help=False)
-    common.add_argument("--threads", type=_at_least_one, default=1, metavar="N", help="BLAS threads (1)")
-    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    _add_cases(commands, common)
-    _add_results(commands, common)
-    _add_theory(commands, common)
-    return top
-
-
-def _case_arguments(*, chosen: bool = True) -> argparse.ArgumentParser:
-    """Return the arguments that say which case is meant, and which of its scenes with which parameters."""
-    found = argparse.ArgumentParser(add_help=False)
-    found.add_argument("case", metavar="CASE", help="a name of turingfold list, or a file with scenes()")
-    found.add_argument("--quick", action="store_true", help="the small version, kept apart")
-    if not chosen:
-        return found
-    found.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
-    found.add_argument(
-        "--set", action="append", type=_assignment, metavar="NAME=VALUE", dest="assigned",
-        help="value of a parameter of the case, such as thickness=3e-3; may be repeated",
-    )  # fmt: skip
-    return found
-
-
-def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
-    """Add the commands that run cases and draw what came of them."""
-    chosen = _case_arguments()
-    stored = argparse.ArgumentParser(add_help=False)
-    stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
-    running = argparse.ArgumentParser(add_help=False)
-    there = running.add_mutually_exclusive_group()
-    there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
-    there.add_argument("--overwrite", action="store_true", help="replace results that are there")
-    running.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
-
-    run = commands.add_parser(
-        "run", parents=[chosen, stored, running, common], help="run a case, draw its figure"
-    )
-    run.set_defaults(command=_run)
-
-    sweep = commands.add_parser(
-        "sweep", parents=[chosen, stored, running, common], help="run a case with other parameters",
-        description="Run a case with other values of its parameters. Each combination has a folder in "
-        "DIR/<case>-sweep; the table sweep.csv and the figure there are of the last sweep alone, while the "
-        "folders of earlier ones stay.",
-    )  # fmt: skip
-    sweep.add_argument(
-        "--vary", action="append", required=True, type=_assignment, metavar="NAME=VALUES",
-        help="such as thickness=2e-3,3e-3 or cortex=1.5:1.9:3, or of a part of the scenes, "
-        "AxonalTension.ramp=0,0.2; more make all combinations",
-    )  # fmt: skip
-    sweep.set_defaults(command=_sweep)
-
-    accuracy = commands.add_parser(
-        "accuracy", parents=[chosen, stored, running, common], help="error against run time",
-        description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
-        "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
-        "in DIR/<case>-accuracy.",
-    )  # fmt: skip
-    accuracy.add_argument("--meshes", type=_number, default=1, metavar="N", help="refinements, 4 x each (1)")
-    accuracy.add_argument("--steps", type=_number, default=1, metavar="N", help="halvings of the steps (1)")
-    accuracy.set_defaults(command=_accuracy)
-
-    app = commands.add_parser("app", parents=[chosen, common], help="change a case's parameters in a window")
-    app.set_defaults(command=_app)
-
-    whole = _case_arguments(chosen=False)
-    draw = commands.add_parser("draw", parents=[whole, stored, common], help="draw stored results")
-    draw.set_defaults(command=_draw)
-
-    names = commands.add_parser("list", parents=[common], help="name cases, their scenes and parameters")
-    names.add_argument("cases", nargs="*", metavar="CASE", help="names, files or folders (all)")
-    names.set_defaults(command=_list)
-
-    new = commands.add_parser("new", parents=[common], help="a case file of your own, from another")
-    new.add_argument("file", type=Path, metavar="FILE.py", help="the new file")
-    new.add_argument(
-        "--from", default="figure3", metavar="CASE", dest="case", help="it is a copy of (figure3)"
-    )
-    new.set_defaults(command=_new)
-
-
-def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
-    """Add the commands that show stored results."""
-    film = commands.add_parser("animate", parents=[common], help="a film of a stored result")
-    film.add_argument("result", type=Path, metavar="FOLDER", help="of one scene's result")
-    film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
-    film.add_argument("--field", default="von_mises", metavar="NAME", help="von_mises, pressure or jacobian")
-    film.add_argument("--rate", type=_at_least_one, default=8, metavar="N", help="states per second (8)")
-    film.set_defaults(command=_animate)
-
-    compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
-    compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
-    compare.add_argument("b", type=Path, metavar="B", help="another one")
-    compare.add_argument("--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b")
-    compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
-    compare.set_defaults(command=_compare)
-
-
-def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
-    """Add the commands that say what theory expects of kinetics and cases."""
-    stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")
-    stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
-    stability.add_argument(
-        "--param", action="append", default=[], type=_assignment, metavar="NAME=VALUE", help="repeatable"
-    )
-    stability.add_argument("--ratio", type=float, metavar="D", help="d_inhibitor / d_activator")
-    stability.add_argument("--half-waves", type=_at_least_one, metavar="N", help="on a semi-circle")
-    stability.add_argument("--radius", type=float, default=0.0404, metavar="M", help="of it, in m (0.0404)")
-    stability.add_argument("--thickness", type=float, default=2.5e-3, metavar="M", help="of cortex (0.0025)")
-    stability.add_argument("--figure", type=_figure, metavar="FILE", help="draw the dispersion relation")
-    stability.set_defaults(command=_stability)
-
-    buckling = commands.add_parser(
-        "buckling", parents=[_case_arguments(), common], help="critical growth and mode of a case"
-    )
-    what = buckling.add_mutually_exclusive_group()
-    what.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
-    what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
-    buckling.set_defaults(command=_buckling)
-
-
-def _request(options: argparse.Namespace, *command: str) -> Request:
-    out = getattr(options, "out", None)
-    only, assigned = (tuple(getattr(options, name, None) or ()) for name in ("only", "assigned"))
-    return Request(options.case, options.quick, out, only, assigned, command)
-
-
-def _running(options: argparse.Namespace) -> Running:
-    return Running(options.resume, options.overwrite, options.jobs)
-
-
-def _run(options: argparse.Namespace) -> int:
-    from .run import run
-
-    return run(_request(options, "run"), _running(options))
-
-
-def _sweep(options: argparse.Namespace) -> int:
-    from .sweep import sweep
-
-    own = [word for name, values in options.vary for word in ("--vary", f"{name}={values}")]
-    return sweep(_request(options, "sweep", *own), tuple(options.vary), _running(options))
-
-
-def _accuracy(options: argparse.Namespace) -> int:
-    from .accuracy import accuracy
-
-    own = ("--meshes", str(options.meshes), "--steps", str(options.steps))
-    asked = _request(options, "accuracy", *own)
-    return accuracy(asked, _running(options), meshes=options.meshes, steps=options.steps)
-
-
-def _app(options: argparse.Namespace) -> int:
-    from .app import app
-
-    return app(_request(options, "app"))
-
-
-def _draw(options: argparse.Namespace) -> int:
-    from .run import draw
-
-    say(f"figure: {draw(_request(options, 'run'))}")
-    return 0
-
-
-def _animate(options: argparse.Namespace) -> int:
-    from ..figures.animation import animate
-    from ..results.result import load
-
-    file = options.figure or options.result / "film.gif"
-    say(f"film: {animate(load(options.result), file, field=options.field, rate=options.rate)}")
-    return 0
-
-
-def _list(options: argparse.Namespace) -> int:
-    from .listing import listing
-
-    return listing(options.cases)
-
-
-def _new(options: argparse.Namespace) -> int:
-    from .listing import new_case
-
-    say(new_case(options.file, options.case))
-    return 0
-
-
-def _stability(options: argparse.Namespace) -> int:
-    from .tools import Stability, stability
-
-    own = tuple(options.param), options.ratio, options.half_waves, options.radius, options.thickness
-    say(stability(Stability(options.kinetics, *own, options.figure)))
-    return 0
-
-
-def _buckling(options: argparse.Namespace) -> int:
-    from .buckling import report
-    from .follow import follow
-
-    request = _request(options, "buckling")
-    say(report(request, options.figure) if options.follow is None else follow(request, options.follow))
-    return 0
-
-
-def _compare(options: argparse.Namespace) -> int:
-    from .tools import compare
-
-    say(compare(options.a, options.b, options.figure, options.landmarks))
-    return 0
-
-
-def _at_least_one(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 1")
-    return int(text)
-
-
-def _number(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 0")
-    return int(text)
-
-
-def _assignment(text: str) -> tuple[str, str]:
-    name, sign, values = text.partition("=")
-    if not (name and sign and values):
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form NAME=VALUE")
-    return name, values
-
-
-def _figure(text: str) -> Path:
-    path = Path(text)
-    if path.suffix.lower() not in FIGURES:
-        raise argparse.ArgumentTypeError(f"{text!r} must end with {', '.join(FIGURES[:-1])} or {FIGURES[-1]}")
-    return path
 
 
 def _failed(options: argparse.Namespace, message: str, status: int) -> int:

@@ -6,6 +6,7 @@ import csv
 import io
 import sys
 import warnings
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,7 +18,6 @@ from ..results.files import write_whole
 from ..results.folder import check_folder
 from ..results.result import Result, Row, length_unit, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
-from ..scene import Scene
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure
@@ -68,28 +68,38 @@ def run(request: Request, running: Running) -> int:
 
 
 def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Running) -> Iterator[Outcome]:
-    """Run the scenes of a plan and yield how each ended, as they end; none is kept in memory.
+    """Return an iterator that runs the scenes of a plan and yields how each ended; it keeps none in memory.
 
-    Raises ValueError before anything is run where a folder may not be written to, and Interrupted for Ctrl-C.
+    Raises ValueError, before anything is run, where a folder may not be written to; the iterator raises
+    Interrupted for Ctrl-C.
     """
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
     base = base_folder(case, request)
-    jobs = [
+    jobs = deque(
         Job(case.path, one.name, one.scene, base / folder_name(one.name), one.provenance)
         for one in plan
         if one.scene is not None
-    ]
+    )
     for job in jobs:
+        assert job.scene is not None
         try:
             document, _ = stored(job.scene)
             check_folder(job.folder, document, resume=running.resume, overwrite=running.overwrite)
         except ValueError as error:
             raise ValueError(f"{case.path}, scene {job.name!r}: {error}") from error
-    few = min((job.scene.body.elements_through_cortex for job in jobs), default=float("inf"))
+    scenes = {job.name: job.scene for job in jobs if job.scene is not None}
+    few = min((scene.body.elements_through_cortex for scene in scenes.values()), default=float("inf"))
     if words := coarseness(few):
         print(f"turingfold: note: {words}", file=sys.stderr)
+    ends = {name: scene.until for name, scene in scenes.items()}
+    return _outcomes(jobs, ends, request, running)
+
+
+def _outcomes(
+    jobs: deque[Job], ends: Mapping[str, float], request: Request, running: Running
+) -> Iterator[Outcome]:
     try:
-        with progress({job.name: job.scene for job in jobs}) as report:
+        with progress(ends) as report:
             yield from run_jobs(jobs, running, report)
     except KeyboardInterrupt as error:
         at_a_time = ("--jobs", str(running.jobs)) if running.jobs > 1 else ()
@@ -151,8 +161,8 @@ def drawn(case: Case, results: dict[str, Result], request: Request, *, apart: bo
 
 
 @contextmanager
-def progress(scenes: Mapping[str, Scene]) -> Iterator[Report]:
-    """Show a bar per scene on the terminal; silent where standard error is none."""
+def progress(ends: Mapping[str, float]) -> Iterator[Report]:
+    """Show a bar per scene, up to the time when it ends, on the terminal; silent where there is none."""
     if not sys.stderr.isatty():
         yield lambda name, row, iterations: None
         return
@@ -166,8 +176,7 @@ def progress(scenes: Mapping[str, Scene]) -> Iterator[Report]:
     )  # fmt: skip
     with Progress(*columns, console=Console(stderr=True)) as bars:
         tasks = {
-            name: bars.add_task(name, total=scene.until, growth=1.0, iterations=0)
-            for name, scene in scenes.items()
+            name: bars.add_task(name, total=end, growth=1.0, iterations=0) for name, end in ends.items()
         }
 
         def report(name: str, row: Row, iterations: int) -> None:

@@ -46,13 +46,13 @@ def sweep(request: Request, vary: Assignments, running: Running) -> int:
         rows = [_row(one, ends[one.name], names, base) for one in plan if one.name in ends]
         write_table(base / TABLE, ("scene", *names, "status", *NUMBERS, "message"), rows)
 
-    write_at_once = bool(ends)
-    for end in outcomes(case, [one for one in plan if one.scene is not None], request, running):
+    under_way = outcomes(case, plan, request, running)
+    plan = [replace(one, scene=None) for one in plan]  # bodies go when they have run
+    write()
+    for end in under_way:
         ends[end.name] = end
         write()
         say(_line(end, base))
-    if write_at_once:
-        write()
     status = finished(list(ends.values()), case, request)
     _tell(ends, base)
     shown = [one.name for one in plan if has_result(base, one.name)]
@@ -110,7 +110,7 @@ def _of_scene(one: Planned, chosen: Mapping[str, Any], parts: Mapping[str, str])
 
 def _row(one: Planned, end: Outcome, names: Sequence[str], base: Path) -> list[Any]:
     file = base / folder_name(one.name) / "summary.json"
-    summary = read_json(file) if one.scene is not None and file.is_file() else {}
+    summary = read_json(file) if not one.refused and file.is_file() else {}
     status = end.status if end.status in ("refused", "killed") else summary.get("status", end.status)
     numbers = [summary.get(number) for number in NUMBERS]
     return [one.name, *(one.varied.get(name) for name in names), status, *numbers, end.message]

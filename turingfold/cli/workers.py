@@ -10,9 +10,9 @@ import logging
 import signal
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import connection, get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -35,7 +35,7 @@ class Job:
 
     case: Path
     name: str
-    scene: Scene
+    scene: Scene | None  # None where it is sent as it is stored
     folder: Path
     provenance: Mapping[str, Any]
 
@@ -49,29 +49,29 @@ class Outcome:
     message: str = ""
 
 
-def run_jobs(jobs: Sequence[Job], running: Running, report: Report) -> Iterator[Outcome]:
-    """Run scenes and yield how each ended, as they end. Raises OSError where results cannot be written."""
+def run_jobs(jobs: deque[Job], running: Running, report: Report) -> Iterator[Outcome]:
+    """Run scenes, take them off the list, and yield how each ended. Raises OSError where writing fails."""
     if running.jobs == 1:
-        for job in jobs:
-            yield _run(job.name, job.scene, job.folder, job.provenance, running, _counting(job.name, report))
+        while jobs:
+            job = jobs.popleft()
+            assert job.scene is not None
+            yield _run(job, job.scene, running, _counting(job.name, report))
+            del job  # before the next is run
     else:
         yield from _together(jobs, running, report)
 
 
-def _run(
-    name: str, scene: Scene, folder: Path, provenance: Mapping[str, Any], running: Running,
-    progress: Callable[[Row], object],
-) -> Outcome:  # fmt: skip
+def _run(job: Job, scene: Scene, running: Running, progress: Callable[[Row], object]) -> Outcome:
     try:
         result = simulate(
-            scene, folder, progress=progress, resume=running.resume, overwrite=running.overwrite,
-            case=provenance,
+            scene, job.folder, progress=progress, resume=running.resume, overwrite=running.overwrite,
+            case=job.provenance,
         )  # fmt: skip
     except SolveError as error:
-        return Outcome(name, "stopped", str(error))
+        return Outcome(job.name, "stopped", str(error))
     except ValueError as error:
-        return Outcome(name, "refused", str(error))
-    return Outcome(name, result.status, result.message)
+        return Outcome(job.name, "refused", str(error))
+    return Outcome(job.name, result.status, result.message)
 
 
 def _counting(name: str, report: Report) -> Callable[[Row], None]:
@@ -91,17 +91,16 @@ class _Worker:
     link: Connection
 
 
-def _together(jobs: Sequence[Job], running: Running, report: Report) -> Iterator[Outcome]:
-    waiting = deque(jobs)
+def _together(jobs: deque[Job], running: Running, report: Report) -> Iterator[Outcome]:
     busy: dict[_Worker, tuple[Job, Callable[[Row], None]]] = {}
     idle: list[_Worker] = []
     try:
-        while waiting or busy:
-            while waiting and len(busy) < running.jobs:
+        while jobs or busy:
+            while jobs and len(busy) < running.jobs:
                 worker = idle.pop() if idle else _started()
-                job = waiting.popleft()
-                message = (job.case, job.name, *stored(job.scene), job.folder, job.provenance, running)
-                worker.link.send(message)
+                job = jobs.popleft()
+                assert job.scene is not None
+                worker.link.send((replace(job, scene=None), *stored(job.scene), running))
                 busy[worker] = job, _counting(job.name, report)
             for link in connection.wait([worker.link for worker in busy]):
                 worker = next(own for own in busy if own.link is link)
@@ -161,10 +160,10 @@ def _serve(link: Connection) -> None:
 
     with suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
-            path, name, document, arrays, folder, provenance, running = link.recv()
+            job, document, arrays, running = link.recv()
             try:
-                scene = rebuilt(document, arrays, load_case(path).known)
-                answer: Any = _run(name, scene, folder, provenance, running, progress)
+                scene = rebuilt(document, arrays, load_case(job.case).known)
+                answer: Any = _run(job, scene, running, progress)
             except OSError as error:  # results cannot be written: nor can those of the other scenes
                 answer = error
             link.send(answer)

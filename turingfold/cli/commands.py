@@ -1,0 +1,117 @@
+"""The commands by name: each makes a frozen request of the options, and hands that on.
+
+What a command needs is imported when it runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+
+from .request import Request, Running
+from .status import say
+
+
+def _request(options: argparse.Namespace, *command: str) -> Request:
+    out = getattr(options, "out", None)
+    only, assigned = (tuple(getattr(options, name, None) or ()) for name in ("only", "assigned"))
+    return Request(options.case, options.quick, out, only, assigned, command)
+
+
+def _running(options: argparse.Namespace) -> Running:
+    return Running(options.resume, options.overwrite, options.jobs)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from .run import run
+
+    return run(_request(options, "run"), _running(options))
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from .sweep import sweep
+
+    own = [word for name, values in options.vary for word in ("--vary", f"{name}={values}")]
+    return sweep(_request(options, "sweep", *own), tuple(options.vary), _running(options))
+
+
+def _accuracy(options: argparse.Namespace) -> int:
+    from .accuracy import accuracy
+
+    own = ("--meshes", str(options.meshes), "--steps", str(options.steps))
+    asked = _request(options, "accuracy", *own)
+    return accuracy(asked, _running(options), meshes=options.meshes, steps=options.steps)
+
+
+def _app(options: argparse.Namespace) -> int:
+    from .app import app
+
+    return app(_request(options, "app"))
+
+
+def _draw(options: argparse.Namespace) -> int:
+    from .run import draw
+
+    say(f"figure: {draw(_request(options, 'run'))}")
+    return 0
+
+
+def _animate(options: argparse.Namespace) -> int:
+    from ..figures.animation import animate
+    from ..results.result import load
+
+    file = options.figure or options.result / "film.gif"
+    say(f"film: {animate(load(options.result), file, field=options.field, rate=options.rate)}")
+    return 0
+
+
+def _list(options: argparse.Namespace) -> int:
+    from .listing import listing
+
+    return listing(options.cases)
+
+
+def _new(options: argparse.Namespace) -> int:
+    from .listing import new_case
+
+    say(new_case(options.file, options.case))
+    return 0
+
+
+def _stability(options: argparse.Namespace) -> int:
+    from .tools import Stability, stability
+
+    own = tuple(options.param), options.ratio, options.half_waves, options.radius, options.thickness
+    say(stability(Stability(options.kinetics, *own, options.figure)))
+    return 0
+
+
+def _buckling(options: argparse.Namespace) -> int:
+    from .buckling import report
+    from .follow import follow
+
+    request = _request(options, "buckling")
+    say(report(request, options.figure) if options.follow is None else follow(request, options.follow))
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from .tools import compare
+
+    say(compare(options.a, options.b, options.figure, options.landmarks))
+    return 0
+
+
+COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
+    "run": _run,
+    "sweep": _sweep,
+    "accuracy": _accuracy,
+    "app": _app,
+    "draw": _draw,
+    "list": _list,
+    "new": _new,
+    "animate": _animate,
+    "compare": _compare,
+    "stability": _stability,
+    "buckling": _buckling,
+}
