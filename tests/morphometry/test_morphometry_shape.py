@@ -153,6 +153,24 @@ def test_a_crossing_in_a_common_vertex_counts_once(first, second):
         assert self_intersections(turned, closed=True) == 1
 
 
+@pytest.mark.parametrize(("h", "crossings"), [(0.081, 0), (0.079, 2), (0.05, 2)])
+def test_crossings_of_quadratic_segments_are_those_of_the_curves(h, crossings):
+    """Parabolas y = 0.04 (1 - x²) and y = h - 0.04 (1 - x²) meet twice if h < 0.08; their chords if h < 0."""
+    lower, upper = [(-1, 0), (0, 0.04), (1, 0)], [(1, h), (0, h - 0.04), (-1, h)]
+    path = np.array([(-3, -1), *lower, (3, h / 2), *upper], dtype=float).T
+    path = np.hstack((ellipse(1, 1, 9, np.pi) - np.array([[5.0], [0.0]]), path))
+    assert self_intersections(path, closed=False, quadratic=True) == crossings
+
+
+@pytest.mark.parametrize(("a", "b"), [(1, 2), (2, 3), (5, 3)])
+def test_crossings_of_quadratic_lissajous_figures(a, b):
+    t = angles(800)
+    points = np.array([np.sin(a * t + 0.2), np.sin(b * t)])
+    assert self_intersections(points, closed=True, quadratic=True) == 2 * a * b - a - b
+    with pytest.raises(ValueError, match="799 points; the nodes of quadratic segments are an even number"):
+        self_intersections(points[:, :-1], closed=True, quadratic=True)
+
+
 def test_crossing_of_two_long_segments_counts_once():
     arc = 0.1 * ellipse(1, 1, 100, np.pi)
     path = np.hstack((arc, [[-3, 3, 3, -3], [-1, -2, -1, -2]]))

@@ -1,16 +1,21 @@
 """Self-contact: derivatives, balance, collision-free steps, obstacles, and the size of the barrier."""
+import subprocess
+import sys
+
 import ipctk
 import numpy as np
 import pytest
 from checks import message_names
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 from skfem import MeshTri1
 
 from turingfold.geometry.body import Body
 from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.laws import TangentialGrowth
+from turingfold.morphometry.walls import self_intersections
 from turingfold.outlines import outline
 from turingfold.parts import TimeStep
 from turingfold.scene import Scene
@@ -42,8 +47,8 @@ def state_of(body, scale=1.0):
 
 
 def closed(body, gap, slot=SLOT):
-    """Return the displacement that moves the right column until the slot has this width."""
-    shift = np.where((body.nodes[0] > 1) & (body.nodes[1] > 0.5), gap - slot, 0.0)
+    """Return the displacement that moves the right column until the slot has this width from y = 1 up."""
+    shift = np.where(body.nodes[0] > 1, (gap - slot) * np.clip(2 * body.nodes[1] - 1, 0.0, 1.0), 0.0)
     return np.stack([shift, np.zeros_like(shift)]).T.ravel()
 
 
@@ -76,33 +81,63 @@ def test_without_contact_there_is_no_energy():
 
 
 def test_the_traction_is_uniform_and_grows_with_stiffness_and_stress():
-    # between flat walls every inner vertex carries its share of the wall, middles and corners alike
+    # a uniform traction p on quadratic edges of length L: p L/3 at corners, 2 p L/3 at middles
     body = slotted(size=0.125)
     found = []
     for stiffness, scale in ((1.0, 1.0), (0.5, 7.0)):
         potential = SelfContact(stiffness=stiffness).on(body).during(state_of(body, scale), STEP)
         force = -potential.evaluate(closed(body, 0.0125)).gradient()[0].reshape(-1, 2)
-        found.append(force[np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
-                           & (body.nodes[1] > 0.7) & (body.nodes[1] < 1.3)])
-        assert len(found[-1]) == 9
-        np.testing.assert_allclose(found[-1][:, 0], found[-1][0, 0], rtol=1e-9)
-        assert np.abs(found[-1][:, 1]).max() < 1e-9 * found[-1][0, 0]
-    assert found[0].max() > 0
-    np.testing.assert_allclose(found[1], 3.5 * found[0], rtol=1e-9, atol=1e-12)
-
-
-def test_the_traction_does_not_depend_on_the_mesh():
-    # the same dhat on two meshes: force per length of flat wall
-    found = []
-    for size, gap in ((0.25, 0.2), (0.125, 0.4), (0.0625, 0.8)):
-        body = slotted(size=size)
-        potential = SelfContact(gap=gap).on(body).during(state_of(body), STEP)
-        force = -potential.evaluate(closed(body, 0.0125)).gradient()[0].reshape(-1, 2)
         wall = np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
-        inner = wall & (body.nodes[1] > 0.74) & (body.nodes[1] < 1.26)
-        found.append(force[inner, 0].mean() / (size / 2))
+        corners = force[wall & np.isin(body.nodes[1], (1.125, 1.25))]
+        middles = force[wall & np.isin(body.nodes[1], (1.1875, 1.3125))]
+        assert len(corners) == len(middles) == 2
+        np.testing.assert_allclose(corners[:, 0], corners[0, 0], rtol=1e-9)
+        np.testing.assert_allclose(middles[:, 0], middles[0, 0], rtol=1e-9)
+        assert middles[0, 0] / corners[0, 0] == pytest.approx(2.0, rel=0.05)
+        assert np.abs(np.append(corners[:, 1], middles[:, 1])).max() < 1e-9 * corners[0, 0]
+        found.append(middles[0, 0])
     assert found[0] > 0
-    np.testing.assert_allclose(found, found[0], rtol=1e-6)
+    assert found[1] == pytest.approx(3.5 * found[0], rel=1e-9)
+
+
+@pytest.mark.parametrize(("gap", "about"), [(0.4, 0.02), (0.2, 0.2), (0.8, 0.3)])
+def test_the_traction_at_half_of_dhat_is_the_stiffness_on_every_mesh(gap, about):
+    # what a corner and the middle beside it carry, per length of flat wall
+    found = []
+    for size in (0.25, 0.125, 0.0625):
+        body = slotted(size=size)
+        operator = SelfContact(gap=gap, stiffness=3.0).on(body)
+        x = closed(body, (0.5 * operator.dhat + operator.apart) * operator.unit)
+        force = -operator.during(state_of(body, 7.0), STEP).evaluate(x).gradient()[0].reshape(-1, 2)
+        wall = np.isin(np.arange(len(force)), body.pial) & (body.nodes[0] == 1 + SLOT)
+        found.append(force[wall & np.isin(body.nodes[1], (1.25, 1.25 - size / 2)), 0].sum() / size)
+    assert found[0] == pytest.approx(21.0, rel=about)
+    np.testing.assert_allclose(found, found[0], rtol=1e-3)
+
+
+def bulged(body, by):
+    """Return a displacement that closes the slot to 0.03 and then bends both walls towards each other."""
+    moved = closed(body, 0.03).reshape(-1, 2)
+    on = (np.abs(body.nodes[0] - 1 - SLOT / 2) < 0.51 * SLOT) & np.isclose(body.nodes[1], 1.125)
+    moved[on, 0] += by * np.sign(1 + SLOT / 2 - body.nodes[0, on])
+    return moved.ravel()
+
+
+@pytest.mark.parametrize("by", [0.002, 0.005, 0.01])
+def test_the_smallest_gap_is_that_of_the_curves(by):
+    # both walls' middles at y = 1.125 come nearer; a fine sample of both parabolas gives the distance
+    body, xi = slotted(), np.linspace(0, 1, 4001)
+    left, right = (side + by * sign * 4 * xi * (1 - xi) for side, sign in ((1.0, 1), (1.03, -1)))
+    gap = SelfContact().on(body).during(state_of(body), STEP).evaluate(bulged(body, by)).measure()["min_gap"]
+    assert gap == pytest.approx((right - left).min(), abs=1e-9)
+
+
+def test_no_step_makes_curved_walls_overlap():
+    # walls 0.03 apart whose middles move by 0.02 each meet at 3/4 of the way
+    body = slotted()
+    x, d = closed(body, 0.03), bulged(body, 0.02) - closed(body, 0.03)
+    bound = SelfContact().on(body).during(state_of(body), STEP).evaluate(x).largest_step(d)
+    assert 0.6 < bound < 0.75
 
 
 def test_the_smallest_gap_is_the_one_between_the_walls():
@@ -115,13 +150,16 @@ def test_the_smallest_gap_is_the_one_between_the_walls():
 @given(seed=st.integers(0, 10_000), size=st.floats(0.01, 10.0))
 def test_no_step_within_the_bound_makes_walls_cross(seed, size):
     body = slotted()
-    operator = SelfContact().on(body)
-    potential = operator.during(state_of(body), STEP)
-    d = size * np.random.default_rng(seed).standard_normal(2 * body.nodes.shape[1])
-    bound = potential.evaluate(np.zeros_like(d)).largest_step(d)
+    potential = SelfContact().on(body).during(state_of(body), STEP)
+    rng = np.random.default_rng(seed)
+    side = np.sign(body.nodes[0] - 1 - SLOT / 2) * np.clip(2 * body.nodes[1] - 1, 0.0, 1.0)
+    d = [[1.0], [0.2]] * rng.standard_normal((2, 1)) * side + 0.002 * rng.standard_normal(body.nodes.shape)
+    d *= size
+    bound = potential.evaluate(np.zeros(d.size)).largest_step(d.T.ravel())
     assert 0 < bound <= 1
     for share in (0.25, 0.5, 0.75, 1.0):
-        assert not ipctk.has_intersections(operator.mesh, operator.positions(share * bound * d))
+        walls = (body.nodes + share * bound * d)[:, body.pial]
+        assert self_intersections(walls, closed=False, quadratic=True) == 0
 
 
 def test_a_full_step_through_the_other_wall_is_refused():
@@ -156,8 +194,8 @@ def test_the_base_line_goes_on_outside_the_body(base, outward):
     if base == "free":
         assert bound == 1.0
     else:
-        height = body.nodes[1, node]
-        assert 0.5 * height / 0.3 < bound < height / 0.3
+        height = body.nodes[1, node]  # the curve through it bends under the line at half of the way
+        assert 0.3 * height / 0.3 < bound < height / 0.3
 
 
 def test_the_mirror_line_is_an_obstacle_of_half_a_body():
@@ -173,16 +211,16 @@ def test_the_mirror_line_is_an_obstacle_of_half_a_body():
 
 
 def test_the_hessian_has_room_for_contacts_to_come():
+    # also for those of walls that slide along each other by an edge
     body = slotted()
     dhat = 0.05
+    slid = np.where(body.nodes[0] > 1, 0.2 * np.clip(2 * body.nodes[1] - 1, 0.0, 1.0), 0.0)
+    slid = np.stack([np.zeros_like(slid), slid]).T.ravel()
     potential = SelfContact().on(body).during(state_of(body), STEP)
-    early = potential.evaluate(closed(body, 0.9 * dhat)).hessian(0.0)
-    later = potential.evaluate(closed(body, 0.3 * dhat)).hessian(0.0)
-
-    def places(entries):
-        return set(zip(entries.rows.ravel().tolist(), entries.columns.ravel().tolist(), strict=True))
-
-    assert places(later.entries) <= places(early.expected())
+    early = potential.evaluate(closed(body, 0.9 * dhat)).hessian(0.0).expected()
+    places = set(zip(early.rows.ravel().tolist(), early.columns.ravel().tolist(), strict=True))
+    later = potential.evaluate(closed(body, 0.3 * dhat) + slid).hessian(0.0).entries
+    assert set(zip(later.rows.tolist(), later.columns.tolist(), strict=True)) <= places
 
 
 def test_energy_scales_with_the_body_and_its_stress():
@@ -232,6 +270,62 @@ def test_the_folded_surface_hardly_depends_on_the_barrier():
     assert abs(wide / narrow - 1) < 0.01
 
 
+def test_curves_do_not_cross_where_coarse_walls_fold():
+    """With contact of corners and middles alone, 2 of these states overlap."""
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact())
+    scene = Scene(body=body, terms=terms, processes=(TangentialGrowth(cortex=2.6),), until=0.7)
+    gaps = []
+    for step, _ in march(scene, begin(scene)):
+        pial = (body.nodes + step.state["displacement"])[:, body.pial]
+        assert self_intersections(pial, closed=False, quadratic=True) == 0
+        gaps.append(step.numbers["min_gap"])
+    assert 0 < np.nanmin(gaps) < 0.02
+
+
+def stem():
+    """A section whose cut through the stem lies above the lobes beside it: the base line would cross them."""
+    x = [0, 12, 28, 40, 43, 41, 36, 28, 20, 16, 13, 9]
+    y = [42, 44, 38, 24, 8, -8, -20, -25, -21, -12, -4, -2]
+    half = CubicSpline(range(12), np.stack([x, y], axis=1))(np.linspace(0, 11, 160))
+    half = np.concatenate([half, [[9.0, -8.2]]])
+    points = 1e-3 * np.concatenate([half, half[::-1][:-1] * [-1, 1]]).T
+    return outline(points, thickness=2.5e-3, size=1e-3, smooth=1e-3, tight="trim", base="clamped",
+                   base_ends=((-9e-3, -8.2e-3), (9e-3, -8.2e-3)))
+
+
+@pytest.mark.parametrize("base_line", [True, False])
+def test_the_base_line_ends_before_the_lobes_beside_it(base_line):
+    body = stem()
+    operator = SelfContact(base_line=base_line).on(body)
+    assert not ipctk.has_intersections(operator.mesh, operator.positions(np.zeros(body.nodes.size)))
+    assert (len(operator.names) > operator.names.count("body")) is base_line
+    at = operator.during(state_of(body), STEP).evaluate(np.zeros(body.nodes.size))
+    assert at.energy == 0.0
+
+
+def test_contact_does_not_depend_on_where_the_body_is():
+    body = slotted()
+    far = Body(body.mesh.translated((150.0, -80.0)), 0.2, "free")
+    x = closed(body, 0.02)
+    one, other = (SelfContact().on(b).during(state_of(b), STEP).evaluate(x) for b in (body, far))
+    assert other.energy == pytest.approx(one.energy, rel=1e-9)
+    forces = one.gradient()[0]
+    np.testing.assert_allclose(other.gradient()[0], forces, atol=1e-9 * np.abs(forces).max())
+
+
+def test_a_skull_that_is_too_close_is_named():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)  # dhat 0.4 of 0.05
+    with pytest.raises(ValueError, match=r"comes closer to the skull than dhat = 0\.0196 m, near \(-?\d") as failure:
+        SelfContact(skull=arch(1.018, 0.03, np.pi - 0.03)).on(body)
+    message_names(failure.value, "wider")
+
+
+def test_importing_contact_changes_no_setting_of_ipctk():
+    code = "import ipctk as i; i.set_num_threads(2); import turingfold.terms.contact; print(i.get_num_threads())"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "2"
+
+
 def test_a_body_that_touches_itself_at_rest_is_refused():
     # at the tips of a rhombus, of 11 degrees, the walls are sin 11° = 0.2 edges apart
     points = np.array([[0.0, 1.0, 2.0, 1.0], [0.0, -0.1, 0.0, 0.1]])
@@ -243,7 +337,10 @@ def test_a_body_that_touches_itself_at_rest_is_refused():
 
 @pytest.mark.parametrize(
     ("name", "bad"),
-    [("gap", 0.0), ("gap", 0.95), ("gap", float("nan")), ("stiffness", -1.0), ("stiffness", None)],
+    [
+        ("base_line", 1), ("gap", 0.0), ("gap", 0.95), ("gap", float("nan")),
+        ("stiffness", -1.0), ("stiffness", None),
+    ],
 )
 def test_bad_input_is_refused(name, bad):
     with pytest.raises(ValueError, match=name):
@@ -303,7 +400,7 @@ def test_a_skull_that_does_not_enclose_the_body_is_refused(skull, message, step)
 
 def test_a_skull_around_half_a_body_ends_before_its_mirror():
     body = half(semicircle(radius=1.0, thickness=0.2, size=0.1))
-    assert SelfContact(skull=arch(1.2, high=0.5 * np.pi - 0.02)).on(body).moving > 0
+    assert SelfContact(skull=arch(1.2, high=0.5 * np.pi - 0.02)).on(body).chords.moving > 0
     with pytest.raises(ValueError, match=r"the point \(0\.5\d+, 0\.8\d+\)"):
         # from (0.97, 0.71) straight to (0, 1): what lies beyond x = 0.557, y = 0.831 is left out
         SelfContact(skull=arch(1.2, high=0.2 * np.pi)).on(body)
@@ -328,7 +425,7 @@ def test_a_skull_ends_clear_of_the_base_line(low, high, where):
     with pytest.raises(ValueError, match=ENDS.format(*where)):
         SelfContact(skull=arch(1.2, low, high)).on(body)
     clear = np.arcsin(0.021 / 1.2)
-    assert SelfContact(skull=arch(1.2, clear, np.pi - clear)).on(body).moving > 0
+    assert SelfContact(skull=arch(1.2, clear, np.pi - clear)).on(body).chords.moving > 0
 
 
 def test_a_skull_ends_clear_of_the_line_of_the_mirror():
@@ -340,7 +437,7 @@ def test_a_skull_ends_clear_of_the_line_of_the_mirror():
 def test_a_skull_around_a_closed_surface_is_closed():
     disc = outline(arch(1.0, 0.0, 2 * np.pi), thickness=0.2, size=0.1)
     around = arch(1.2, 0.0, 2 * np.pi)
-    assert SelfContact(skull=around).on(disc).moving > 0
+    assert SelfContact(skull=around).on(disc).chords.moving > 0
     with pytest.raises(ValueError, match=r"skull ends at \(1\.\d+, -0\.\d+\) m, not where it begins"):
         SelfContact(skull=around[:, :-1]).on(disc)
     with pytest.raises(ValueError, match="does not go round"):

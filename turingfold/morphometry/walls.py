@@ -7,30 +7,78 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..arrays import Array, Integers
+from ..arrays import Array, Booleans, Integers
 from ..checks import finite_array, positive
+from ..geometry.quadratic import bend, distance, point
 from .polyline import Polyline, as_polyline
 
 LONG = 4.0  # segments longer than this many medians are tested against all others
+FLAT = 1e-9  # of the extent: parts of curves closer than this to their chords are those
 OPPOSED = -0.5  # cosine between the normals of two walls that face each other
 
 
-def self_intersections(points: Any, *, closed: bool | None = None) -> int:
-    """Return the number of proper crossings of pairs of segments that do not share a point.
+def self_intersections(points: Any, *, closed: bool | None = None, quadratic: bool = False) -> int:
+    """Return how often a curve crosses itself: proper crossings of segments that do not share a point.
 
+    quadratic: the points are the nodes of quadratic segments, a vertex and a middle by turns, and the curves
+    through them are counted, not their chords; overlaps less deep than FLAT of the extent may be missed.
     The points are first moved by 1e-12 of their extent (always the same way), so that a crossing through a
     vertex counts once; a contact closer than that may count as none or two.
     """
     curve = as_polyline(points, closed)
-    pairs = _near_pairs(curve)
     shift = np.random.default_rng(0).uniform(-1e-12, 1e-12, curve.points.shape)
     start = curve.points - curve.points.mean(axis=1, keepdims=True)
     start = start / np.abs(start).max() + shift
+    if quadratic:
+        if curve.size % 2 == curve.closed:
+            raise ValueError(
+                f"points has {curve.size} points; the nodes of quadratic segments are an "
+                f"{'even' if curve.closed else 'odd'} number: a vertex and a middle by turns."
+            )
+        return _curved_crossings(np.hstack((start, start[:, :1])) if curve.closed else start)
+    pairs = _near_pairs(curve)
     end = np.roll(start, -1, axis=1)[:, : curve.lengths.size]
     i, j = pairs.T
-    a, b, c, d = start[:, i], end[:, i], start[:, j], end[:, j]
-    split = (_side(a, b, c) != _side(a, b, d)) & (_side(c, d, a) != _side(c, d, b))
-    return int(split.sum())
+    return int(_cross(start[:, i], end[:, i], start[:, j], end[:, j]).sum())
+
+
+def _curved_crossings(nodes: Array) -> int:
+    """Return the number of crossings of quadratic segments through vertex, middle, vertex ... (2, 2 m + 1).
+
+    Pairs are halved as long as they may meet: a part of length h in ξ leaves its chord by |b| h²/2 at most,
+    with b = x₀ - 2 x_m + x₁.
+    """
+    curves = np.stack((nodes[:, :-2:2], nodes[:, 1:-1:2], nodes[:, 2::2]))
+    bent = np.hypot(*bend(curves))
+    hull = np.stack((curves[0], 2 * curves[1] - 0.5 * (curves[0] + curves[2]), curves[2]))
+    low, high = hull.min(axis=0), hull.max(axis=0)
+    apart = (low[:, :, None] > high[:, None]).any(axis=0)
+    i, j = np.nonzero(np.triu(~(apart | apart.T), 1))
+    s, t, h, found = np.zeros(i.size), np.zeros(i.size), 1.0, 0
+    while i.size:
+        a, b, c, d = (point(curves[..., k], x) for k, x in ((i, s), (i, s + h), (j, t), (j, t + h)))
+        missed = 0.5 * h * h * (bent[i] + bent[j])
+        near = _cross(a, b, c, d) | (_gap(a, b, c, d) <= missed)
+        done = missed <= FLAT
+        joined = (b == c).all(axis=0) | (a == d).all(axis=0)
+        found += int(np.sum(_cross(a, b, c, d) & done & ~joined))
+        halve = near & ~done
+        h = 0.5 * h
+        i, j = np.tile(i[halve], 4), np.tile(j[halve], 4)
+        s = (s[halve] + h * np.array([[0], [1], [0], [1]])).ravel()
+        t = (t[halve] + h * np.array([[0], [0], [1], [1]])).ravel()
+    return found
+
+
+def _gap(a: Array, b: Array, c: Array, d: Array) -> Array:
+    """Return the distance between segments a-b and c-d that do not cross."""
+    ways = ((a, c, d), (b, c, d), (c, a, b), (d, a, b))
+    return np.asarray(np.min([distance(*way) for way in ways], axis=0))
+
+
+def _cross(a: Array, b: Array, c: Array, d: Array) -> Booleans:
+    """Return whether segments a-b and c-d cross each other."""
+    return np.asarray((_side(a, b, c) != _side(a, b, d)) & (_side(c, d, a) != _side(c, d, b)))
 
 
 def wall_contact_length(points: Any, gap: float, *, closed: bool | None = None) -> float:

@@ -67,7 +67,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     symmetric = mirror_error(rest) <= 1e-9 * body.length
     return {
         "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
-        "self_intersections": self_intersections(pial, closed=closed),
+        "self_intersections": self_intersections(pial, closed=closed, quadratic=True),
         "gyrification_index": gyrification_index(pial, closed=closed),
         "closed_gyrification_index": (
             None if inner else gyrification_index(pial, closing=radius, closed=closed)

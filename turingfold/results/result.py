@@ -154,8 +154,7 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
-        min_jacobian, min_gap (m): smallest of the whole run, at integration points and between the straight
-        edges that join neighbouring nodes.  area_growth, core_growth, centre_growth, inverted_elements,
+        min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.  area_growth, core_growth, centre_growth, inverted_elements,
         sulcal_depth, mirror_error: `measures`.  seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history

@@ -1,50 +1,66 @@
 """Self-contact of the body's boundary, and with the straight lines on which base or mirror continue.
 
 The barrier and the continuous collision detection are ipctk's (incremental potential contact, Li et al.
-2020). The boundary's polyline runs through the corner and middle nodes of the quadratic edges. At the two
-ends of the pial surface of a clamped, rolling or mirrored body the base (or mirror) line continues outward as
-an obstacle.
+2020). They see chords of the quadratic boundary edges, several to an edge and all moved by its three nodes;
+walls keep apart by what the chords miss of the curves. At the two ends of the pial surface of a clamped,
+rolling or mirrored body the base (or mirror) line continues outward as an obstacle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import ipctk
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import kron
+from scipy.spatial import cKDTree
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..checks import finite_array, positive
 from ..geometry.body import Body
+from ..geometry.quadratic import distance, gap
 from ..parts import Entries, Evaluation, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
+from .boundary import boundary_edges, chords, counts, neighbours, stays_straight
+from .obstacles import Obstacle, continued, joined
 
-ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
-REACH = 8.0  # obstacles extend this many body lengths
+BEND = 0.5  # of its length: how far a boundary edge may bend before its chords miss more than half of APART
+APART = 0.05  # of dhat, which chords always keep between them
+ROOM = 3.0  # shortest distances between nodes: edges this close get places in the matrix
+MEETINGS = {
+    "body": ("itself", "outlines that keep their distance"),
+    "base": ("the line on which its base continues", "base_line=False"),
+    "mirror": ("the line of its mirror", "an outline that keeps its distance"),
+    "skull": ("the skull", "a wider one"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SelfContact(Term):
     """Barrier energy that keeps the boundary from touching itself: it acts below the distance dhat.
 
-    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; below 1, or
-    nodes would be in contact from the start.  stiffness: traction at half the distance dhat, in units of the
-    scene's largest shear modulus.  skull: a fixed curve around the body that it cannot pass, points (2, n) in
-    m: closed around a closed pial surface; else its ends stay clear of the lines on which base and mirror
+    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest.
+    stiffness: traction at half the distance dhat, about, in units of the scene's largest shear modulus.
+    base_line: whether the line of a clamped or rolling base goes on outside the body as an obstacle, as far
+    as it is clear of the body.  skull: a fixed curve around the body that it cannot pass, points (2, n) in m:
+    closed around a closed pial surface; else its ends stay clear of the lines on which base and mirror
     continue.
-    On a body, raises ValueError for a skull that crosses it or does not go round its whole pial surface.
+    On a body, raises ValueError where the boundary at rest crosses itself or comes too close to itself or an
+    obstacle, and for a skull that does not go round the whole pial surface.
     """
 
     gap: float = 0.4
     stiffness: float = 1.0
+    base_line: bool = True
     skull: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         positive("gap", self.gap, at_most=0.9, remedy="neighbouring nodes must not be in contact at rest")
         positive("stiffness", self.stiffness)
+        if not isinstance(self.base_line, bool):
+            raise ValueError(f"base_line={self.base_line!r} must be True or False.")
         if self.skull is not None:
             points = finite_array("skull", self.skull, (2, None))
             if points.shape[1] < 2:
@@ -62,61 +78,92 @@ class SelfContact(Term):
 
 
 class ContactOperator(Operator):
-    """The collision mesh of one body. Distances inside ipctk are in units of the body's length."""
+    """The collision mesh of one body: in units of the body's length, about its centre."""
 
     def __init__(self, body: Body, term: SelfContact) -> None:
-        self.unit = body.length
-        self.nodes, edges, shortest = _boundary(body)
-        skull = None
-        if term.skull is not None:
-            from .skull import check_clear, check_skull
+        ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
+        boundary = boundary_edges(body)
+        start, middle, end = body.nodes.T[boundary]
+        shortest = float(min(np.hypot(*(middle - one).T).min() for one in (start, end)))
+        self.unit, self.dhat = body.length, term.gap * shortest / body.length
+        self.apart, self.reach = APART * self.dhat, ROOM * shortest / body.length
+        self.nodes, edges = np.unique(boundary, return_inverse=True)
+        fixed, fixed_edges, names = joined(_obstacles(body, term, shortest), self.nodes)
+        self.names = ["body"] * boundary.shape[1] + names  # of what each edge belongs to
+        self.edges = np.concatenate([edges.reshape(3, -1), fixed_edges], axis=1)
+        k = counts(np.hypot(*(end - start).T), BEND, 0.5 * self.apart * self.unit)
+        k[stays_straight(body, boundary)] = 1
+        k = np.append(k, np.ones_like(fixed_edges[0]))
+        self.chords = chords(self.edges, k, len(self.nodes))
+        centre = body.nodes.mean(axis=1)
+        self.rest = (np.concatenate([body.nodes.T[self.nodes], fixed]) - centre) / self.unit
+        at_rest = np.asfortranarray(self.chords.share @ self.rest)
+        self.mesh = ipctk.CollisionMesh(at_rest, np.asfortranarray(self.chords.pieces.astype(np.int32)))
+        near = neighbours(at_rest, self.chords.pieces, shortest / self.unit)
+        wall = ipctk.make_sparse_filter(dict.fromkeys(map(tuple, near.tolist()), False), True)
+        self.mesh.can_collide = ipctk.make_static_obstacle_filter(self.chords.moving) & wall
+        # its slope at half of dhat is 4.33 dhat³ in ipctk's units, and 5.3 where neighbouring chords act too
+        self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (5.3 * self.dhat**3))
+        self.dofs = (2 * self.nodes[:, None] + np.arange(2)).ravel()
+        self.n_dofs = body.nodes.size
+        share = self.chords.share[: self.chords.moving, : len(self.nodes)]
+        self.share = kron(share, np.eye(2), format="csr")
+        self._check_rest(at_rest, centre)
 
-            skull = np.asarray(term.skull, dtype=float)
-            check_skull(body, skull)
-            check_clear(skull, _continued(body), term.gap * shortest)
-        obstacles, obstacle_edges = _obstacles(body, self.nodes, skull)
-        self.rest = np.asfortranarray(np.concatenate([body.nodes[:, self.nodes].T, obstacles]) / self.unit)
-        self.moving = len(self.nodes)
-        self.edges = np.concatenate([edges, obstacle_edges]).astype(np.int32)
-        self.mesh = ipctk.CollisionMesh(self.rest, np.asfortranarray(self.edges))
-        if skull is not None:  # its points may be as dense as they like: they do not meet each other
-            self.mesh.can_collide = ipctk.make_static_obstacle_filter(self.moving)
-        self.dhat = term.gap * shortest / self.unit
-        self.reach = 3 * shortest / self.unit  # pairs this close get a place in the matrix
-        # the barrier's slope at half of dhat is 4.33 dhat³ in ipctk's units; both walls have one
-        self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (4.33 * self.dhat**3))
-        dofs = 2 * np.repeat(self.nodes, 2)
-        dofs[1::2] += 1
-        self.dofs = dofs
-        self.n_dofs = 2 * body.nodes.shape[1]
-        if self.smallest_gap(self.rest) < self.dhat:
-            raise ValueError(
-                f"SelfContact: the undeformed boundary comes closer to itself or the skull than dhat = "
-                f"{self.dhat * self.unit:.3g} m; use a smaller gap, or outlines that keep their distance."
-            )
+    def moved(self, x: Array) -> Array:
+        """Return the nodes of boundary and obstacles, (n, 2), at the displacement x."""
+        points: Array = self.rest.copy()
+        points[: len(self.nodes)] += x[self.dofs].reshape(-1, 2) / self.unit
+        return points
 
     def positions(self, x: Array) -> Array:
-        """Return the collision vertices (n, 2) at the displacement x."""
-        moved = self.rest.copy(order="F")
-        moved[: self.moving] += x[self.dofs].reshape(-1, 2) / self.unit
-        return moved
+        """Return the vertices of the chords, (v, 2), at the displacement x."""
+        positions: Array = np.asfortranarray(self.chords.share @ self.moved(x))
+        return positions
 
     def collisions(self, positions: Array, reach: float) -> ipctk.NormalCollisions:
-        """Return the pairs closer than `reach`."""
+        """Return the pairs closer than `reach`, beside what they keep apart anyway."""
         found = ipctk.NormalCollisions()
         found.use_area_weighting = True
-        found.build(self.mesh, positions, reach)
+        found.build(self.mesh, positions, reach, self.apart, ipctk.SweepAndPrune())
         return found
 
-    def smallest_gap(self, positions: Array) -> float:
-        """Return the smallest distance between walls closer than 2 dhat, or NaN without any.
-
-        At rest, neighbouring nodes are farther apart than that.
-        """
+    def smallest_gap(self, x: Array) -> float:
+        """Return the smallest distance between curved walls closer than 2 dhat, m, or NaN without any."""
+        points, positions, chords = self.moved(x), self.positions(x), self.chords
         found = self.collisions(positions, 2 * self.dhat)
         if found.empty():
             return float("nan")
-        return float(np.sqrt(found.compute_minimum_distance(self.mesh, positions)))
+        pairs = [(c.vertex_id, *chords.pieces[c.edge_id], c.edge_id) for c in found.ev_collisions]
+        pairs += [(c.vertex0_id, *2 * (c.vertex1_id,), -1) for c in found.vv_collisions]
+        vertex, start, end, piece = np.array(pairs).T
+        gaps = distance(*(positions[k].T for k in (vertex, start, end)))
+        one = chords.edge[vertex]
+        other = np.where(piece < 0, chords.edge[end], chords.edge_of[piece])
+        xi, eta = chords.place[vertex], np.where(piece < 0, chords.place[end], chords.place_of[piece])
+        # places on edges with a common node would run together there
+        curved = ~(self.edges[:, None, one] == self.edges[:, other]).any((0, 1))
+        edges = points[self.edges].transpose(0, 2, 1)
+        gaps[curved] = gap(edges[..., one[curved]], edges[..., other[curved]], xi[curved], eta[curved])
+        return float(gaps.min()) * self.unit
+
+    def _check_rest(self, at_rest: Array, centre: Array) -> None:
+        """Raise ValueError where walls cross at rest or are closer than dhat."""
+        if ipctk.has_intersections(self.mesh, at_rest):
+            raise ValueError(
+                "SelfContact: the undeformed boundary crosses itself; repair the outline, or use smaller "
+                "elements where its walls are close."
+            )
+        found = self.collisions(at_rest, self.dhat)
+        if found.empty():
+            return
+        vertices = [v for v in found[0].vertex_ids(self.mesh.edges, self.mesh.faces) if v >= 0]
+        met, remedy = MEETINGS[self.names[self.chords.edge[vertices].max()]]  # obstacles come last
+        x, y = at_rest[min(vertices)] * self.unit + centre
+        raise ValueError(
+            f"SelfContact: the undeformed boundary comes closer to {met} than dhat = "
+            f"{self.dhat * self.unit:.3g} m, near ({x:.4g}, {y:.4g}) m; use a smaller gap, or {remedy}."
+        )
 
     def during(self, state: State, step: TimeStep) -> ContactPotential:
         """Return the barrier; it does not change from step to step."""
@@ -149,7 +196,9 @@ class ContactEvaluation(Evaluation):
     @cached_property
     def _forces(self) -> Array:
         operator = self.operator
-        return np.asarray(operator.barrier.gradient(self.collisions, operator.mesh, self.positions))
+        forces = operator.barrier.gradient(self.collisions, operator.mesh, self.positions)
+        scale = self.scale / operator.unit
+        return np.asarray(operator.share.T @ forces[: operator.share.shape[0]]) * scale
 
     def gradient(self) -> tuple[Array, float]:
         """Return the nodal forces and the sum of squares of the contact forces."""
@@ -157,94 +206,57 @@ class ContactEvaluation(Evaluation):
         total = np.zeros(operator.n_dofs)
         if not self.has_hessian:
             return total, 0.0
-        forces = self._forces[: len(operator.dofs)] * (self.scale / operator.unit)
-        total[operator.dofs] = forces
-        return total, float(forces @ forces)
+        total[operator.dofs] = self._forces
+        return total, float(self._forces @ self._forces)
 
     def hessian(self, convexity: float) -> Hessian:
         """Return the barrier's Hessian, clamped to be semi-definite where convexity is asked for."""
         operator = self.operator
         method = ipctk.PSDProjectionMethod.CLAMP if convexity > 0 else ipctk.PSDProjectionMethod.NONE
-        full = operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method).tocoo()
-        used = (full.col <= full.row) & (full.row < len(operator.dofs))  # obstacles come after the body's
-        rows, columns = operator.dofs[full.row[used]], operator.dofs[full.col[used]]
-        values = full.data[used] * (self.scale / operator.unit**2)
-        return Hessian(Entries(rows, columns), values, constant=False, expected=self._expected)
+        full = operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method)
+        n = operator.share.shape[0]  # obstacles come after the boundary
+        by_node = (operator.share.T @ full[:n, :n].tocsr() @ operator.share).tocoo()
+        used = by_node.col <= by_node.row
+        places = Entries(operator.dofs[by_node.row[used]], operator.dofs[by_node.col[used]])
+        values = by_node.data[used] * (self.scale / operator.unit**2)
+        return Hessian(places, values, constant=False, expected=self._expected)
 
     def largest_step(self, direction: Array) -> float:
-        """Return nine tenths of the step at which parts of the boundary would first touch, at most 1."""
+        """Return nine tenths of the step at which walls would first come too close, at most 1."""
         operator, start = self.operator, self.positions
         end = operator.positions(self.x + direction)
         if not np.isfinite(end).all():
             return 0.0  # ipctk would answer that nothing is in the way
-        if ipctk.is_step_collision_free(operator.mesh, start, end):
+        pairs = ipctk.Candidates()
+        pairs.build(operator.mesh, start, end, 0.5 * operator.apart, ipctk.SweepAndPrune())
+        if pairs.is_step_collision_free(operator.mesh, start, end, operator.apart):
             return 1.0
-        return 0.9 * float(ipctk.compute_collision_free_stepsize(operator.mesh, start, end))
+        return 0.9 * float(pairs.compute_collision_free_stepsize(operator.mesh, start, end, operator.apart))
 
     def measure(self) -> dict[str, float]:
         """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""
-        return {"min_gap": self.operator.smallest_gap(self.positions) * self.operator.unit}
+        return {"min_gap": self.operator.smallest_gap(self.x)}
 
     def _expected(self) -> Entries:
-        """Return the entries of all pairs that could come into contact before long."""
-        operator = self.operator
-        near = ipctk.Candidates()
-        near.build(operator.mesh, self.positions, 0.5 * operator.reach)
-        pairs = [(c.vertex_id, *operator.edges[c.edge_id]) for c in near.ev_candidates]
-        vertices = np.array(pairs, dtype=np.int64).reshape(-1, 3)
-        vertices = vertices[(vertices < operator.moving).all(1)]
-        dofs = np.sort(operator.dofs.reshape(-1, 2)[vertices].reshape(-1, 6), axis=1)
-        columns, rows = np.triu_indices(6)
+        """Return the entries of all pairs of edges that could come into contact before long."""
+        operator, chords = self.operator, self.operator.chords
+        tree = cKDTree(self.positions[: chords.moving])
+        pairs = np.unique(chords.edge[tree.query_pairs(operator.reach, output_type="ndarray")], axis=0)
+        nodes = operator.nodes[operator.edges[:, pairs]].swapaxes(0, 1).reshape(len(pairs), 6)
+        dofs = np.sort((2 * nodes[..., None] + np.arange(2)).reshape(len(pairs), 12), axis=1)
+        columns, rows = np.triu_indices(12)
         return Entries(dofs[:, rows], dofs[:, columns])
 
 
-def _boundary(body: Body) -> tuple[Integers, Integers, float]:
-    """Return the boundary's nodes, its edges (m, 2) as positions in them, and the shortest edge."""
-    facets = body.mesh.boundary_facets()
-    if body.mirror:
-        facets = np.setdiff1d(facets, body.mesh.boundaries["mirror"])
-    ends, middle = body.mesh.facets[:, facets], body.mesh.nvertices + facets
-    edges = np.concatenate([np.stack([ends[0], middle]), np.stack([middle, ends[1]])], axis=1)
-    nodes, local = np.unique(edges, return_inverse=True)
-    length = np.hypot(*(body.nodes[:, edges[0]] - body.nodes[:, edges[1]]))
-    return nodes, local.reshape(2, -1).T, float(length.min())
+def _obstacles(body: Body, term: SelfContact, clearance: float) -> list[Obstacle]:
+    """Return the lines that go on from the body's ends and the skull; raises ValueError for a bad skull."""
+    lines = continued(body, clearance, term.base_line)
+    if term.skull is None:
+        return lines
+    from .skull import check_clear, check_skull
 
-
-def _obstacles(body: Body, nodes: Integers, skull: Array | None) -> tuple[Array, Integers]:
-    """Return the fixed points and edges (m, 2) of the lines beyond the pial surface's ends and of the skull.
-
-    An edge counts its points after the boundary's nodes.
-    """
-    points: list[Array] = []
-    edges: list[tuple[int, int]] = []
-    for end, outward in _outward(body):
-        points.append(_far(body, end, outward))
-        edges.append((int(np.searchsorted(nodes, end)), len(nodes) + len(points) - 1))
-    if skull is not None:
-        first = len(nodes) + len(points)
-        points.extend(skull.T)
-        edges.extend((first + k, first + k + 1) for k in range(skull.shape[1] - 1))
-    return np.array(points).reshape(-1, 2), np.array(edges, dtype=np.int64).reshape(-1, 2)
-
-
-def _continued(body: Body) -> Array:
-    """Return the lines beyond the pial surface's ends as segments, (2, 2, m)."""
-    lines = [[body.nodes[:, end], _far(body, end, outward)] for end, outward in _outward(body)]
-    return np.array(lines).reshape(-1, 2, 2).transpose(1, 2, 0)
-
-
-def _far(body: Body, end: int, outward: Array) -> Array:
-    return np.asarray(body.nodes[:, end] + REACH * body.length * outward)
-
-
-def _outward(body: Body) -> Iterator[tuple[int, Array]]:
-    """Yield each end of the pial surface on a straight base or mirror, and the way onward from there."""
-    ends = [n for path in body.pial_paths if not path.closed for n in path.nodes[[0, -1]].tolist()]
-    for name in ("base", "mirror"):
-        if name not in body.mesh.boundaries or (name == "base" and body.base == "free"):
-            continue
-        for path in body.boundary_paths(name):
-            for end, neighbour in (path.nodes[:2], path.nodes[:-3:-1]):
-                if end in ends:
-                    onward = body.nodes[:, end] - body.nodes[:, neighbour]
-                    yield int(end), onward / np.hypot(*onward)
+    skull = np.asarray(term.skull, dtype=float)
+    check_skull(body, skull)
+    ways = np.array([line.points[:, [0, -1]] for line in lines]).reshape(-1, 2, 2).transpose(2, 1, 0)
+    check_clear(skull, ways, (1 + APART) * term.gap * clearance)
+    return [*lines, Obstacle("skull", skull)]

@@ -1,0 +1,79 @@
+"""Fixed curves that a body cannot pass: the lines on which its base and mirror continue, and a skull."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, Integers
+from ..geometry.body import Body
+from .boundary import boundary_edges
+
+REACH = 8.0  # a line goes on for so many body lengths, or until it meets the body
+LEAST = 3.0  # clearances; lines shorter than this are left out
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A fixed curve: what it is, its points (2, n) in m, and the node of the body that it starts from."""
+
+    name: str
+    points: Array
+    start: int | None = None
+
+
+def continued(body: Body, clearance: float, base_line: bool) -> list[Obstacle]:
+    """Return the lines on which mirror and, if wanted, base continue beyond the ends of the pial surface.
+
+    A line ends `clearance`, m, before it comes as near as that to the body.
+    """
+    boundary = np.unique(boundary_edges(body))
+    found = []
+    for name, end, outward in _outward(body):
+        if name == "base" and not base_line:
+            continue
+        way = body.nodes[:, boundary] - body.nodes[:, end, None]
+        along, aside = outward @ way, np.abs(outward[0] * way[1] - outward[1] * way[0])
+        met = along[(along > LEAST * clearance) & (aside < 2 * clearance)]
+        length = min(REACH * body.length, met.min(initial=np.inf) - clearance)
+        if length > LEAST * clearance:  # what is near its start has pieces of its own
+            shares = np.array([0.0, clearance, 2 * clearance, length])
+            found.append(Obstacle(name, body.nodes[:, end, None] + outward[:, None] * shares, end))
+    return found
+
+
+def joined(obstacles: list[Obstacle], nodes: Integers) -> tuple[Array, Integers, list[str]]:
+    """Return points (n, 2) of obstacles, numbered after `nodes` of the body, their edges (3, m) and names.
+
+    nodes: those on the body's boundary, in increasing order.
+    """
+    points: list[Array] = []
+    edges: list[tuple[int, int, int]] = []
+    names: list[str] = []
+    for obstacle in obstacles:
+        path = obstacle.points.T
+        own = path if obstacle.start is None else path[1:]
+        first = len(nodes) + len(points)
+        line = [*range(first, first + len(own))]
+        if obstacle.start is not None:
+            line.insert(0, int(np.searchsorted(nodes, obstacle.start)))
+        middles = first + len(own) + np.arange(len(line) - 1)
+        points += [*own, *(0.5 * (path[:-1] + path[1:]))]
+        edges += zip(line[:-1], middles.tolist(), line[1:], strict=True)
+        names += [obstacle.name] * len(middles)
+    return np.array(points).reshape(-1, 2), np.array(edges, dtype=np.int64).reshape(-1, 3).T, names
+
+
+def _outward(body: Body) -> Iterator[tuple[str, int, Array]]:
+    """Yield each end of the pial surface on a straight base or mirror, and the way onward from there."""
+    ends = [n for path in body.pial_paths if not path.closed for n in path.nodes[[0, -1]].tolist()]
+    for name in ("base", "mirror"):
+        if name not in body.mesh.boundaries or (name == "base" and body.base == "free"):
+            continue
+        for path in body.boundary_paths(name):
+            for end, neighbour in (path.nodes[:2], path.nodes[:-3:-1]):
+                if end in ends:
+                    onward = body.nodes[:, end] - body.nodes[:, neighbour]
+                    yield name, int(end), onward / np.hypot(*onward)
