@@ -11,6 +11,7 @@ from turingfold.geometry.roughness import roughened
 from turingfold.geometry.shapes import semicircle, semiellipse
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.laws import TangentialGrowth
+from turingfold.morphometry.walls import self_intersections
 from turingfold.results.simulate import simulate
 from turingfold.scene import Scene
 from turingfold.stepping import Stepping
@@ -43,18 +44,14 @@ def check_alike(whole, right, rel, until=1.0):
 
 
 def test_figure_3_folds_alike():
-    """24 half waves of the pattern are 12 on the half; contact across the mirror line included.
-
-    At t = 0.85 both snap. On its way the whole body could also fall to either side, so that its steps are
-    made convex in other ways; from then on the two are near, not the same.
-    """
+    """24 half waves of the pattern are 12 on the half; contact across the mirror line included."""
     body = semicircle(radius=0.0404, thickness=T, size=T / 2)
     whole, right = both(
         body,
         (AxonalTension(strength=0.5), SelfContact()),
         (Turing(Schnakenberg(), half_waves=24, symmetric=True), TangentialGrowth(cortex=1.9)),
     )
-    check_alike(whole, right, 1e-6, until=0.8)
+    check_alike(whole, right, 1e-6)
     numbers, expected = right.summary(), whole.summary()
     assert numbers["mirror_error"] == 0.0
     assert numbers["folds"] == expected["folds"]
@@ -72,7 +69,12 @@ def test_a_sulcus_on_the_mirror_line_closes_on_it():
     x = (scene.body.nodes + result.last["displacement"])[0, scene.body.pial]
     assert x.min() == 0.0  # the apex itself
     assert np.sum(x < 3e-4) >= 3  # walls as close to the line as the barrier lets them
-    assert result.summary()["self_intersections"] == 0
+    assert self_intersections(result.pial(), closed=False) == 0
+    # between the nodes, within half an edge of the crease's tip, the curve may pass the line, by little
+    start, middle, end = (x[k : x.size - 2 + k : 2, None] for k in range(3))
+    s = np.linspace(0, 1, 51)
+    curve = (1 - s) * (1 - 2 * s) * start + 4 * s * (1 - s) * middle + s * (2 * s - 1) * end
+    assert curve.min() > -0.004 * T
 
 
 def test_ellipse_with_imperfection_and_inertia():

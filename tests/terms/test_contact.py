@@ -316,13 +316,14 @@ def test_contact_does_not_depend_on_where_the_body_is():
 
 def test_a_skull_that_is_too_close_is_named():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)  # dhat 0.4 of 0.05
-    with pytest.raises(ValueError, match=r"comes closer to the skull than dhat = 0\.0196 m, near \(-?\d") as failure:
+    with pytest.raises(ValueError, match=r"closer to the skull than dhat = 0\.0196 m, near \(") as failure:
         SelfContact(skull=arch(1.018, 0.03, np.pi - 0.03)).on(body)
     message_names(failure.value, "wider")
 
 
 def test_importing_contact_changes_no_setting_of_ipctk():
-    code = "import ipctk as i; i.set_num_threads(2); import turingfold.terms.contact; print(i.get_num_threads())"
+    lines = ("import ipctk", "ipctk.set_num_threads(2)", "import turingfold.terms.contact")
+    code = "\n".join((*lines, "print(ipctk.get_num_threads())"))
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "2"
 
 

@@ -154,8 +154,9 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
-        min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.  area_growth, core_growth, centre_growth, inverted_elements,
-        sulcal_depth, mirror_error: `measures`.  seconds_by_part: s.
+        min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
+        area_growth, core_growth, centre_growth, inverted_elements, sulcal_depth, mirror_error: `measures`.
+        seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
         last = rows[-1] if rows else {}

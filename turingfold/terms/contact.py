@@ -41,7 +41,8 @@ MEETINGS = {
 class SelfContact(Term):
     """Barrier energy that keeps the boundary from touching itself: it acts below the distance dhat.
 
-    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest.
+    gap: dhat as a share of the shortest distance between neighbouring boundary nodes at rest; parts of one
+    wall that are nearer than that distance at rest, as at the tip of a crease, do not repel each other.
     stiffness: traction at half the distance dhat, about, in units of the scene's largest shear modulus.
     base_line: whether the line of a clamped or rolling base goes on outside the body as an obstacle, as far
     as it is clear of the body.  skull: a fixed curve around the body that it cannot pass, points (2, n) in m:

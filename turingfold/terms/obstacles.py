@@ -38,9 +38,9 @@ def continued(body: Body, clearance: float, base_line: bool) -> list[Obstacle]:
         along, aside = outward @ way, np.abs(outward[0] * way[1] - outward[1] * way[0])
         met = along[(along > LEAST * clearance) & (aside < 2 * clearance)]
         length = min(REACH * body.length, met.min(initial=np.inf) - clearance)
-        if length > LEAST * clearance:  # what is near its start has pieces of its own
-            shares = np.array([0.0, clearance, 2 * clearance, length])
-            found.append(Obstacle(name, body.nodes[:, end, None] + outward[:, None] * shares, end))
+        if length > LEAST * clearance:
+            way = outward[:, None] * np.array([0.0, length])
+            found.append(Obstacle(name, body.nodes[:, end, None] + way, end))
     return found
 
 
