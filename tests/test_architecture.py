@@ -18,7 +18,8 @@ PACKAGE = Path(turingfold.__file__).parent
 # from the bottom up: a file imports from rooms below its own, and from its own without going in circles
 ROOMS = (
     ("arrays", "checks", "errors"),
-    ("geometry", "morphometry", "state", "stepping"),
+    ("geometry",),
+    ("morphometry", "state", "stepping"),
     ("parts",),
     ("scene",),
     ("growth", "outlines", "turing"),
