@@ -141,6 +141,8 @@ def test_stairs_of_voxels_are_no_folds(size, height, diagonal):
     smooth = voxels(lambda x, y: np.hypot(x, y / height) < 1, size, 1.2, diagonal)
     assert fold_count(smooth) == 0
     assert fold_count(smooth, thickness=1 / 16) == 0
+    turned = moved(smooth, 0.7, 0.04, (0.1, 0.3)).astype(np.float32)  # as a scanner stores it
+    assert fold_count(turned) == 0
     assert gyrification_index(smooth) > 1.02
     assert gyrification_index(smooth, smoothing=2 * size) < 1.005
     folded = voxels(

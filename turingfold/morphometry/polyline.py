@@ -22,6 +22,7 @@ FEWEST_POINTS = 8
 FINE = 2000  # pieces at least that a curve is cut into where distances to it are wanted
 WIDEST_GAP = 5.0  # closing segment of an outline over its longest other segment
 COINCIDENT = 1e-12  # distance over extent below which two points are one
+DIRECTION = 2e-3  # rad; directions of steps closer than this are one
 THINNEST, THICKEST = 1e-3, 2.0  # cortical thickness over the radius of the body: beyond, the units differ
 
 
@@ -137,13 +138,13 @@ class Polyline:
 
     @property
     def voxel(self) -> float:
-        """Size of the voxels, m, that a curve of steps in at most eight directions was traced round, at most.
+        """Size of the voxels, m, that a curve of steps in eight directions was traced round, at most.
 
         0 for any other curve. A step is the side of a voxel, or joins the middles of two of its sides.
         """
-        direction = self.segments / self.lengths
-        turned = np.unique(np.round(direction, 6) + 0.0, axis=1).shape[1]
-        return np.sqrt(2) * self.spacing if turned <= 8 else 0.0
+        angles = np.arctan2(self.segments[1], self.segments[0])
+        directions = np.sum(np.diff(np.sort(angles)) > DIRECTION) + 1
+        return np.sqrt(2) * self.spacing if directions <= 9 else 0.0  # -pi and pi are one
 
     def checked_thickness(self, thickness: Any) -> float:
         """Return a cortical thickness, m, as a float; ValueError if it is not in the unit of the points."""
