@@ -14,6 +14,7 @@ from .geometry.refinement import refined as refined
 from .geometry.roughness import roughened as roughened
 from .geometry.shapes import semicircle as semicircle
 from .geometry.shapes import semiellipse as semiellipse
+from .growth.along import GrowthMap as GrowthMap
 from .growth.histories import Exponential as Exponential
 from .growth.histories import Gompertz as Gompertz
 from .growth.histories import Linear as Linear
@@ -81,6 +82,8 @@ from .results.simulate import CoarseMeshWarning as CoarseMeshWarning
 from .results.simulate import StoppedError as StoppedError
 from .results.simulate import simulate as simulate
 from .scene import Scene as Scene
+from .sensitivity.fit import Fit as Fit
+from .sensitivity.fit import fit as fit
 from .sensitivity.forward import Sensitivity as Sensitivity
 from .sensitivity.forward import sensitivity as sensitivity
 from .stability.arc_length import EquilibriumPath as EquilibriumPath

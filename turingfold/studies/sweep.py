@@ -155,6 +155,8 @@ def _without(scene: Scene, part: Any) -> Scene:
 def _changed(part: Any, names: Sequence[str], value: Any, parameter: str) -> Any:
     old = _value(part, names[0], parameter)
     new = value if len(names) == 1 else _changed(old, names[1:], value, parameter)
+    if isinstance(part, tuple):
+        return tuple(new if number == int(names[0]) else item for number, item in enumerate(part))
     return replace(part, **{names[0]: new})
 
 
@@ -173,6 +175,10 @@ def _value(part: Any, name: str, parameter: str) -> Any:
             f"{parameter} would leave the mesh, and all that is made from it, as it is; vary the parameter "
             "of the case that its body is made with (turingfold list CASE names them), or make another body."
         )
+    if isinstance(part, tuple):
+        if not name.isdecimal() or int(name) >= len(part):
+            raise ValueError(f"{parameter}: {name!r} is none of the numbers from 0 to {len(part) - 1}.")
+        return part[int(name)]
     if not is_dataclass(part) or name not in _own(part):
         raise ValueError(f"{parameter}: {type(part).__name__} has no {name!r}; it has: {_names(part)}.")
     return getattr(part, name)

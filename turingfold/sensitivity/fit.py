@@ -1,0 +1,288 @@
+"""Which parameters made this shape? Gauss-Newton on the distance between pial surface and target outlines.
+
+At each age the pial points x_i(p) have the signed distances d_i from the target along its normal n_i: no
+correspondence of points is needed. Their derivatives are n_i · dx_i/dp, and dx/dp = -K⁻¹ ∂g/∂p is nearly
+free at an equilibrium. Equilibria of new parameters start from the last ones, moved along dx/dp. The sum of
+squares is minimised by scipy's trust region method with bounds.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ..arrays import Array
+from ..checks import finite_array, instance, positive
+from ..errors import NotConvergedError, SolveError
+from ..geometry.body import by_node
+from ..morphometry.walls import self_intersections
+from ..parts import TimeStep
+from ..results.files import write_whole
+from ..results.surface import along_pial, pial_closed
+from ..scene import Scene
+from ..solve.march import begin, march
+from ..solve.newton import Minimiser
+from ..solve.problem import Problem, configuration
+from ..studies.sweep import with_value
+from .distance import sampled, signed_distance, through
+from .forward import Tangent
+from .parameters import change, check_path, number_of
+
+FAR = 5.0  # a target this many times the body's length away, or as large, is in other units
+SPLINE = 0.875  # mean square of the cubic spline through independent errors of unit variance
+DISTINCT = 1e-4  # singular values below this share of the largest belong to what the outlines do not tell
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Fitted parameters.
+
+    scene: with the values put in.  values, deviations: of the parameters and their standard errors, (p,);
+    a deviation is infinite where the outlines do not tell the parameter.
+    misfits: root mean square distance per age; m.  distinct: how many combinations of the parameters the
+    outlines tell apart.  singular_values: of the scaled Jacobian, (p,).  solves: equilibria that were found.
+    """
+
+    scene: Scene
+    parameters: tuple[str, ...]
+    values: Array
+    deviations: Array
+    misfits: dict[float, float]
+    distinct: int
+    singular_values: Array
+    solves: int
+    message: str
+
+
+def fit(
+    scene: Scene,
+    targets: Mapping[float, Any],
+    to: Sequence[str],
+    *,
+    bounds: tuple[float, float] | None = None,
+    smoothness: float = 0.0,
+    noise: float | None = None,
+    tolerance: float = 1e-8,
+    out: Path | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Fit:
+    """Return the parameters with which the scene's pial surface comes closest to target outlines.
+
+    targets: by age (the scene's time), points (2, n) in m, in order; open ones need not reach as far as the
+    pial surface.  to: parameters, such as "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
+    bounds: least and largest value of all.  smoothness: weight of the second differences of values that are
+    neighbours in one map, against distances in units of the cortical thickness.  noise: standard deviation of
+    the targets, m, for the standard errors; else they follow from the misfit.  out: a folder in which
+    fit.json always holds the best so far.  progress: is called with each root mean square misfit, m.
+    Raises ValueError for targets that cross themselves or are far off, ages outside the scene, and scenes
+    whose state depends on the way to it; NotConvergedError where the scene itself does not reach the ages.
+    """
+    instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    curves = _checked(scene, targets)
+    values = np.array([number_of(scene, parameter) for parameter in to])
+    closed = pial_closed(scene.body)
+    smooth = {age: through(points, closed=closed) for age, points in curves.items()}
+    given = {age: points.shape[1] for age, points in curves.items()}
+    problem = _Inverse(scene, tuple(to), smooth, given, smoothness, out, progress)
+    low, high = (-np.inf, np.inf) if bounds is None else bounds
+    found = least_squares(
+        problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
+        xtol=tolerance, ftol=1e-15, gtol=None,
+    )  # fmt: skip
+    return problem.result(np.asarray(found.x), str(found.message), noise)
+
+
+@dataclass(eq=False)
+class _Inverse:
+    """The least squares problem, with the equilibria it has found so far."""
+
+    scene: Scene
+    parameters: tuple[str, ...]
+    targets: dict[float, Array]
+    given: dict[float, int]  # points of each target
+    smoothness: float
+    out: Path | None
+    progress: Callable[[float], object] | None
+    solves: int = 0
+    best: float = float("inf")
+    _at: Array | None = None  # the parameters of `_x`
+    _x: dict[float, Array] = field(default_factory=dict)  # displacement by age
+    _moves: dict[float, Array] = field(default_factory=dict)  # dx/dp by age
+
+    def __post_init__(self) -> None:
+        problem = Problem(self.scene)
+        check_path(problem, problem.start())
+
+    def residuals(self, values: Array) -> Array:
+        """Return distances in cortical thicknesses, of all ages, and the differences that are to be small."""
+        scene = self._with(values)
+        try:
+            x = self._equilibria(scene, values)
+        except SolveError:
+            if self._at is None:
+                raise
+            return np.full(self._count(), 1e3)  # scipy goes back to shorter steps
+        self._at, self._x, self._moves = values.copy(), x, {}
+        rows = [self._distances(age, x[age])[0] for age in self.targets]
+        found = np.concatenate([*rows, self._roughness() @ values])
+        self._keep(values, found)
+        return found
+
+    def jacobian(self, values: Array) -> Array:
+        """Return the derivatives of the residuals."""
+        if self._at is None or not np.array_equal(values, self._at):
+            self.residuals(values)
+        rows, scene = [], self._with(values)
+        problem = Problem(scene)
+        start = problem.start()
+        for age in self.targets:
+            state = problem.processed(start, age).updated(displacement=self._x[age].reshape(-1, 2).T)
+            step = TimeStep(age)
+            at = configuration(problem.potentials(state, step), self._x[age])
+            if at is None:
+                raise NotConvergedError("an equilibrium of the fit is not admissible", time=age)
+            tangent = Tangent(problem, at)
+            changes = (change(scene, state, self._x[age], name, step).gradient for name in self.parameters)
+            self._moves[age] = np.stack([-tangent.solve(gradient) for gradient in changes])
+            _, normals = self._distances(age, self._x[age])
+            ways = np.stack([self._pial(move, moved=False) for move in self._moves[age]])
+            rows.append(np.einsum("in,pin->np", normals, ways) * self._weights()[:, None])
+        return np.concatenate([*rows, self._roughness()])
+
+    def result(self, values: Array, message: str, noise: float | None) -> Fit:
+        """Return what was found, with standard errors."""
+        jacobian = self.jacobian(values)
+        rows = sum(len(self._distances(age, self._x[age])[0]) for age in self.targets)
+        residual = self.residuals(values)[:rows]
+        data, T = jacobian[:rows], self.scene.body.thickness
+        scale = np.maximum(np.linalg.norm(data, axis=0), 1e-300)
+        _, singular, modes = np.linalg.svd(data / scale, full_matrices=False)
+        told = singular > DISTINCT * singular[0]
+        # outlines hold as many independent errors as points, and the weights of an age add up to 1/T²
+        count = sum(self.given.values())
+        variance = float(residual @ residual) / SPLINE / max(count - len(values), 1)
+        if noise is not None:
+            variance = (noise / T) ** 2 * len(self.targets) / count
+        spread = ((modes[told] / singular[told, None]) ** 2).sum(0)
+        lost = (modes[~told] ** 2).sum(0) > 0.1
+        deviations = np.where(lost, np.inf, np.sqrt(variance * spread) / scale)
+        each = len(self._weights())
+        misfits = {
+            age: float(np.linalg.norm(residual[k * each : (k + 1) * each])) * T
+            for k, age in enumerate(self.targets)
+        }
+        return Fit(
+            scene=self._with(values), parameters=self.parameters, values=values, deviations=deviations,
+            misfits=misfits, distinct=int(told.sum()), singular_values=singular, solves=self.solves,
+            message=message,
+        )  # fmt: skip
+
+    def _with(self, values: Array) -> Scene:
+        scene = self.scene
+        for name, value in zip(self.parameters, values.tolist(), strict=True):
+            scene = with_value(scene, name, value)
+        return scene
+
+    def _equilibria(self, scene: Scene, values: Array) -> dict[float, Array]:
+        """Return the displacements at all ages: from the last ones, or by a march from the start."""
+        if self._at is None:
+            return self._marched(scene)
+        problem = Problem(scene)
+        start, found = problem.start(), {}
+        for age in self.targets:
+            old = self._x[age]
+            ahead = None
+            if age in self._moves:
+                ahead = old + np.tensordot(values - self._at, self._moves[age], 1)
+            state = problem.processed(start, age).updated(displacement=old.reshape(-1, 2).T)
+            stepping = scene.stepping
+            minimiser = Minimiser(
+                problem.n_dofs, problem.held, stepping.tolerance, stepping.iterations, None, stepping.solver
+            )
+            found[age] = minimiser.minimise(problem.potentials(state, TimeStep(age)), old, ahead).x
+            self.solves += 1
+        return found
+
+    def _marched(self, scene: Scene) -> dict[float, Array]:
+        found, position = {}, begin(scene)
+        for age in self.targets:
+            position = replace(position, dt=scene.stepping.first * scene.until)
+            for _, reached in march(replace(scene, until=age), position):
+                position = reached
+                self.solves += 1
+            found[age] = by_node(position.state["displacement"])
+        return found
+
+    def _distances(self, age: float, x: Array) -> tuple[Array, Array]:
+        """Return weighted distances in thicknesses, (n,), and the distances' gradients, (2, n)."""
+        closed = pial_closed(self.scene.body)
+        distance, normal = signed_distance(self._pial(x), self.targets[age], closed=closed)
+        return distance * self._weights(), normal
+
+    def _weights(self) -> Array:
+        """Return √(share of the pial surface) of each sample over the thickness, (n,); 1/m."""
+        steps = np.hypot(*np.diff(self._pial(np.zeros(self.scene.body.nodes.size)), axis=1))
+        shares = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+        return np.asarray(np.sqrt(shares / shares.sum()) / self.scene.body.thickness)
+
+    def _pial(self, x: Array, *, moved: bool = True) -> Array:
+        """Return samples of the deformed pial surface, or of a displacement of it, (2, n)."""
+        body = self.scene.body
+        there = along_pial(body, (body.nodes + x.reshape(-1, 2).T)[:, body.pial])
+        if not moved:
+            there = there - along_pial(body, body.nodes[:, body.pial])
+        return sampled(there, closed=pial_closed(body))
+
+    def _roughness(self) -> Array:
+        """Return weighted second differences of neighbours in one map, (rows, p)."""
+        rows = []
+        for k in range(1, len(self.parameters) - 1):
+            near = [name.rpartition(".") for name in self.parameters[k - 1 : k + 2]]
+            same = len({stem for stem, _, _ in near}) == 1 and all(tail.isdecimal() for _, _, tail in near)
+            if same and self.smoothness > 0:
+                row = np.zeros(len(self.parameters))
+                row[k - 1 : k + 2] = self.smoothness * np.array([1.0, -2.0, 1.0])
+                rows.append(row)
+        return np.array(rows).reshape(-1, len(self.parameters))
+
+    def _count(self) -> int:
+        return len(self.targets) * len(self._weights()) + len(self._roughness())
+
+    def _keep(self, values: Array, residual: Array) -> None:
+        misfit = float(np.linalg.norm(residual)) * self.scene.body.thickness / np.sqrt(len(self.targets))
+        if misfit < self.best:
+            self.best = misfit
+            if self.out is not None:
+                self.out.mkdir(parents=True, exist_ok=True)
+                best = dict(zip(self.parameters, values.tolist(), strict=True))
+                document = {"misfit": misfit, "parameters": best, "solves": self.solves}
+                write_whole(self.out / "fit.json", json.dumps(document, indent=1).encode())
+        if self.progress is not None:
+            self.progress(misfit)
+
+
+def _checked(scene: Scene, targets: Mapping[float, Any]) -> dict[float, Array]:
+    """Return the targets in order of age; raises ValueError for what cannot be one."""
+    if not targets:
+        raise ValueError("targets is empty; give an outline by age, such as {1.0: points}.")
+    body, found = scene.body, {}
+    for age, points in sorted(targets.items()):
+        positive("age", age, at_most=scene.until, remedy="ages are times of the scene")
+        curve = finite_array(f"targets[{age:g}]", points, (2, None))
+        extent = float(np.ptp(curve, axis=1).max())
+        ratio = extent / (2 * body.length)
+        if not 1 / FAR < ratio < FAR:
+            raise ValueError(
+                f"targets[{age:g}] is {extent:.3g} m wide, the body {2 * body.length:.3g} m: are both in m?"
+            )
+        crossings = self_intersections(curve, closed=pial_closed(body))
+        if crossings:
+            raise ValueError(f"targets[{age:g}] crosses itself {crossings} times; repair it, see `outline`.")
+        found[float(age)] = curve
+    return found
