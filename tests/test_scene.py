@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 from checks import message_names
 from small import GRAY
@@ -11,14 +12,19 @@ from turingfold import (
     Drag,
     Elastic,
     Inertia,
+    MissingFieldError,
     NeoHookean,
     Scene,
+    Schnakenberg,
     SelfContact,
+    TangentialGrowth,
+    Turing,
     buckling,
     half,
     semicircle,
     simulate,
 )
+from turingfold.extend import GrowthLaw, Load, Operator
 from turingfold.scene import stress_scale
 from turingfold.terms.active import ActiveStress
 
@@ -42,7 +48,7 @@ def body():
         (SOLID, Gel(gray=GRAY)),
         (Gel(gray=GRAY), SOLID),
         (SelfContact(), SelfContact(gap=0.2)),
-        (Inertia(density=1.0), Inertia(density=2.0, scheme="midpoint")),
+        (Inertia(density=1.0), Inertia(density=2.0)),
         (Drag(coefficient=1.0), Drag(coefficient=2.0)),
         (AxonalTension(strength=1.0, patches=4), AxonalTension(strength=1.0, patches=4)),
         (ActiveStress(stress=1.0), ActiveStress(stress=1.0)),
@@ -53,6 +59,50 @@ def test_two_terms_of_a_kind_are_refused(body, one, other):
     with pytest.raises(ValueError, match="terms holds two") as failure:
         Scene(body=body, terms=(one, Drag(coefficient=9.0), other) if type(one) is not Drag else (one, other))
     message_names(failure.value, type(other).__name__, "leave one of the two out")
+
+
+@dataclass(frozen=True)
+class Grows(GrowthLaw):
+    """A law by the name of the field that it writes."""
+
+    writes: tuple[str, ...] = ("growth",)
+    out_of_plane = "fixed"
+
+    def factors(self, body, state, time):
+        return np.ones(body.quadrature.weights.shape), np.ones(body.quadrature.weights.shape)
+
+
+def test_a_field_that_nobody_reads_is_refused_with_the_nearest_name(body):
+    Scene(body=body, terms=(SOLID,), processes=(Grows(),))
+    with pytest.raises(ValueError, match="Grows writes the field 'growht'") as failure:
+        Scene(body=body, terms=(SOLID,), processes=(Grows(("growht",)),))
+    message_names(failure.value, "no other part of the scene reads", "did you mean 'growth'?")
+    with pytest.raises(ValueError, match="TangentialGrowth writes the field 'growth'") as failure:
+        Scene(body=body, terms=(SelfContact(),), processes=(TangentialGrowth(),))
+    message_names(failure.value, "(read: stress_scale)", "keeps")
+
+
+def test_a_field_that_nobody_writes_is_refused_with_the_nearest_name(body):
+    with pytest.raises(MissingFieldError, match="reads the field 'patern'") as failure:
+        Scene(body=body, terms=(SOLID, Reads("patern")), processes=(Turing(Schnakenberg()),))
+    message_names(failure.value, "did you mean 'pattern'?")
+
+
+@dataclass(frozen=True)
+class Reads(Load, Operator):
+    """A load without energy that reads one field."""
+
+    field: str
+
+    @property
+    def reads(self):
+        return (self.field,)
+
+    def on(self, body):
+        return self
+
+    def during(self, state, step):
+        return None
 
 
 def test_different_loads_of_a_kind_act_side_by_side(body):

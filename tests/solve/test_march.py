@@ -27,6 +27,7 @@ from turingfold.parts import (
 from turingfold.scene import Scene
 from turingfold.solve.march import begin, march
 from turingfold.solve.newton import Minimiser
+from turingfold.solve.problem import Problem
 from turingfold.state import State
 from turingfold.stepping import Stepping
 from turingfold.terms.contact import SelfContact
@@ -418,8 +419,8 @@ def test_a_rejected_end_leaves_no_tangent_behind(body, monkeypatch):
 
 def test_the_time_limit_holds_inside_a_step(body, monkeypatch):
     clock = iter(np.arange(0.0, 1e6))  # every look at it takes a second
-    monkeypatch.setattr("turingfold.solve.march.perf_counter", lambda: float(next(clock)))
-    monkeypatch.setattr("turingfold.solve.newton.perf_counter", lambda: float(next(clock)))
+    for name in ("march", "newton", "problem"):
+        monkeypatch.setattr(f"turingfold.solve.{name}.perf_counter", lambda: float(next(clock)))
     made = scene(body, processes=(TangentialGrowth(cortex=3.0),), first=1.0, largest=1.0, seconds=9.0)
     with pytest.raises(NotConvergedError, match=r"time limit of 9 s.*resume=True") as stopped:
         run(made)
@@ -458,3 +459,72 @@ def test_a_process_returns_the_fields_it_writes(body, first):
         begin(scene(body, processes=(Careless(first, good),)))
     with pytest.raises(ValueError, match=r"Careless\.advance.*\(clock\)"):
         run(scene(body, processes=(Careless(good, first),)))
+
+
+@dataclass(frozen=True)
+class Indiscreet(Fence):
+    """It leaves a field that it does not declare."""
+
+    def evaluate(self, x):
+        return Telling(self.limit, x)
+
+
+class Telling(Inside):
+    def finish(self, wanted):
+        return {"secret": self.x}
+
+
+def test_a_term_leaves_only_what_it_declares(body):
+    with pytest.raises(ValueError, match=r"Telling\.finish returned secret, which no term declares"):
+        run(scene(body, Indiscreet(np.inf)))
+
+
+@dataclass(frozen=True)
+class Observer(Process, Evolution):
+    """A process that keeps what it is given."""
+
+    reads: tuple[str, ...] = ("growth",)
+    seen: list = field(default_factory=list)
+
+    def on(self, body):
+        return self
+
+    def start(self, state, seed):
+        return {}
+
+    def advance(self, before, now, dt):
+        self.seen.append((before, now, dt))
+        return {}
+
+
+@pytest.mark.parametrize("element", ["quadratic", "mixed"])
+def test_a_process_is_given_the_last_equilibrium_whole(body, element):
+    """Growth, shape and stress of `before` belong together; `now` has what earlier processes have made."""
+    solid = Elastic(gray=SOLID.gray, element=element)
+    first, last = Observer(("displacement", "cauchy_stress")), Observer()
+    stepping = Stepping(first=0.1, largest=0.2)
+    made = Scene(
+        body=body, terms=(solid, Refuser(longest=0.15)), stepping=stepping,
+        processes=(first, TangentialGrowth(cortex=1.4), last),
+    )  # fmt: skip
+    states = [step.state for step, _ in run(made)]
+    problem = Problem(made)
+    free = np.setdiff1d(np.arange(problem.n_dofs), problem.held)
+    assert len(first.seen) == len(last.seen) > len(states)  # some steps were refused
+    for (before, now, dt), (_, later, _) in zip(first.seen, last.seen, strict=True):
+        assert now.time == later.time == before.time + dt
+        assert "growth" not in now
+        cortex = body.in_cortex
+        np.testing.assert_allclose(later["growth"][0][:, cortex], 1 + 0.4 * now.time, rtol=1e-13)
+        np.testing.assert_allclose(before["growth"][0][:, cortex], 1 + 0.4 * before.time, rtol=1e-13)
+        if before.time == 0.0:
+            assert not before["displacement"].any()
+            continue
+        assert any(before.time == state.time for state in states)
+        x = before["displacement"].T.ravel()
+        at = solid.on(body).during(before, TimeStep(dt)).evaluate(x)
+        forces, scale = at.gradient()
+        assert np.linalg.norm(forces[free]) <= 1.01 * stepping.tolerance * np.sqrt(scale)
+        stress = at.finish(frozenset({"cauchy_stress"}))["cauchy_stress"]
+        np.testing.assert_allclose(before["cauchy_stress"], stress, atol=1e-9 * np.abs(stress).max())
+        assert np.abs(stress).max() > 1e-2
