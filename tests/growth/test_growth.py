@@ -314,7 +314,6 @@ def test_a_state_without_displacement_cannot_be_restarted(body):
 
 def test_swelling_starts_at_the_surface_and_ends_as_the_coat(body):
     swelling = SurfaceSwelling(final=1.8, diffusivity=0.01, out_of_plane="tangential")
-    check_process(swelling, body, State(0.0), 0.3)
     along, across, out = grown(swelling, body, 0.25)
     wet = np.array([1 - math.erf(y / (2 * math.sqrt(0.01 * 0.25))) for y in body.depth[0]])
     assert along[0] == pytest.approx(1 + 0.8 * wet * cortex_indicator(body)[0], rel=1e-12)
