@@ -9,6 +9,7 @@ from .figures.bifurcation import bifurcation_diagram as bifurcation_diagram
 from .figures.bifurcation import fold_amplitude as fold_amplitude
 from .figures.bifurcation import pial_measures as pial_measures
 from .geometry.body import Body as Body
+from .geometry.changes import Changes as Changes
 from .geometry.mirror import half as half
 from .geometry.refinement import refined as refined
 from .geometry.roughness import roughened as roughened

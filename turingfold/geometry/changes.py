@@ -11,7 +11,7 @@ class Changes:
 
     moved: largest distance of a point of the given pial surface from that of the body, m; of pieces that were
     kept.  lost, added: area taken away and filled, as shares of the given area.  cortex: change of the
-    cortex's area as a share of what lies between the given pial and white surfaces; NaN without the latter.
+    cortex's area as a share of what lies between the given pial and white surfaces; None without the latter.
     dropped: (x, y, area) of pieces too small for the elements; m and m².  smallest_angle: of the triangles,
     degrees.  notes: what was repaired, in words.
     """
@@ -19,7 +19,7 @@ class Changes:
     moved: float
     lost: float
     added: float
-    cortex: float
+    cortex: float | None
     dropped: tuple[tuple[float, float, float], ...]
     smallest_angle: float
     notes: tuple[str, ...] = ()

@@ -107,9 +107,9 @@ class Window:
 
     def share(self, body: Body) -> Array:
         """Return how far each integration point belongs to the region, (q, e)."""
-        along = body.pial_share(body.arc)
+        along, closed = body.pial_share(body.arc), body.pial_curve.closed
         if self.start > self.end:
-            if not body.pial_curve.closed:
+            if not closed:
                 raise ValueError(
                     f"start={self.start:g} must be less than end={self.end:g} on a pial surface that is not "
                     "closed; exchange them, or give two zones."

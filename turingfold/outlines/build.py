@@ -137,7 +137,7 @@ def outline(
         ),
         smallest_angle=smallest,
     )
-    if changes.lost + changes.added > TOLD or abs(changes.cortex) > TOLD:
+    if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
         warnings.warn(f"outline: {changes}; smaller elements follow it more closely.", stacklevel=2)
     even = interface is None and depth.at is None
     typical = depth.typical if depth.typical > 0 else made.thickness * unit

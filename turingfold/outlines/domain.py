@@ -185,7 +185,7 @@ def _changes(
     lost = measured.difference(made.area)
     dropped = [one for one in pieces(measured) if not one.intersects(made.area)]
     stay = [loop for loop in surface.polygons if not any(one.contains(_some(loop)) for one in dropped)]
-    cortex = float("nan")
+    cortex = None
     if within is not None:
         ribbon = measured.difference(even_odd(within.polygons)).area
         cortex = made.area.difference(made.white).area / ribbon - 1

@@ -1,0 +1,86 @@
+"""Bodies in several parts: what works on all of them, and what refuses them by name."""
+
+import numpy as np
+import pytest
+
+from turingfold import (
+    AxonalTension,
+    Elastic,
+    NeoHookean,
+    Scene,
+    SelfContact,
+    Stepping,
+    TangentialGrowth,
+    figures,
+    load,
+    outline,
+    simulate,
+)
+from turingfold.growth.imperfection import Imperfection
+from turingfold.growth.zones import Window
+
+AT = 2 * np.pi * np.arange(120) / 120
+CIRCLE = np.stack([np.cos(AT), np.sin(AT)])
+SHIFT = np.array([[2.05], [0.0]])
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Two discs, 0.05 apart."""
+    return outline([CIRCLE, CIRCLE + SHIFT], thickness=0.2, size=0.1)
+
+
+def scene(body, growth, *terms):
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
+    processes = (TangentialGrowth(cortex=growth),)
+    return Scene(
+        body=body, terms=(solid, *terms), processes=processes, stepping=Stepping(first=0.1, largest=0.25)
+    )
+
+
+def test_parts_that_do_not_meet_grow_as_each_by_itself(pair):
+    alone = simulate(scene(outline(CIRCLE, thickness=0.2, size=0.1), 1.05))
+    both = simulate(scene(pair, 1.05))
+    area = alone.summary()["area_growth"]
+    assert both.summary()["area_growth"] == pytest.approx(area, rel=1e-4)
+    left, right = both.pial_parts()
+    assert np.ptp(left[0]) == pytest.approx(np.ptp(alone.pial()[0]), rel=1e-3)
+    assert np.ptp(right[1]) == pytest.approx(np.ptp(left[1]), rel=1e-3)
+
+
+def test_parts_that_grow_into_each_other_touch_and_do_not_cross(pair, tmp_path):
+    result = simulate(scene(pair, 1.25, SelfContact()), out=tmp_path / "pair")
+    summary = result.summary()
+    assert summary["converged"]
+    assert summary["self_intersections"] == summary["inverted_elements"] == 0
+    free = simulate(scene(pair, 1.25)).summary()
+    assert free["self_intersections"] > 0  # without contact they pass through each other
+    again = load(tmp_path / "pair")
+    assert again.scene.body.changes == pair.changes
+    assert again.summary()["folds"] == summary["folds"]
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots()
+    figures.section(axes, result)
+    figures.outline(axes, pair)
+    assert len(axes.lines) >= 6
+
+
+def test_the_gyrification_index_of_circles_is_one(pair):
+    still = simulate(scene(pair, 1.0 + 1e-6))
+    assert still.summary()["gyrification_index"] == pytest.approx(1.0, abs=1e-3)
+    ring = outline([CIRCLE, 0.4 * CIRCLE], thickness=0.1, size=0.1)
+    summary = simulate(scene(ring, 1.0 + 1e-6)).summary()
+    assert summary["gyrification_index"] == pytest.approx(1.4, abs=2e-3)  # a closed-off sulcus counts
+
+
+def test_what_goes_along_one_surface_refuses_several_by_name(pair):
+    with pytest.raises(ValueError, match="gray-white interface has 2 parts"):
+        AxonalTension(strength=1.0, patches=4).on(pair)
+    with pytest.raises(ValueError, match="pial surface has 2 parts"):
+        Imperfection(amplitude=0.1).on(pair).start(None, 0)
+    with pytest.raises(ValueError, match="pial surface has 2 parts"):
+        Window(start=0.1, end=0.3, edge=0.05).share(pair)
+    result = simulate(scene(pair, 1.01))
+    with pytest.raises(ValueError, match="pial surface has 2 parts"):
+        result.pial()

@@ -1,0 +1,75 @@
+"""Sections of a real adult brain and of ferrets, as delivered; skipped where they are not here."""
+
+import os
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from turingfold import outline, read_outline
+from turingfold.outlines.fill import angles
+
+BESIDE = Path(__file__).parents[3] / "shared" / "reference"
+SECTIONS = Path(os.environ.get("BRAIN_SECTIONS", BESIDE / "sections"))
+FERRET = Path(os.environ.get("FERRET_OUTLINES", BESIDE / "ferret"))
+HUMAN = ("s1_axial_+50_rh", "s1_coronal_+50_lh", "s1_sagittal_+22_rh")
+SINGLE = [
+    *sorted(SECTIONS.glob("smooth*.csv")),
+    *sorted(FERRET.glob("*.csv")),
+    *(SECTIONS / f"{name}_pial_1.csv" for name in HUMAN),
+]
+needed = pytest.mark.skipif(not SINGLE[0].is_file(), reason=f"the sections are not in {SECTIONS}")
+T = 2.5e-3
+
+
+def loops(name, surface):
+    files = sorted(SECTIONS.glob(f"{name}_{surface}_*.csv"))
+    return [read_outline(file, unit="mm").single() for file in files]
+
+
+def examined(body, given, size):
+    """Examine triangles, and how far the pial surface is from the given curves where no walls touch."""
+    assert angles(body.mesh.p, body.mesh.t).min() >= 20
+    curves = [shapely.LinearRing(loop.T) for loop in given]
+    pial = np.concatenate([body.nodes[:, path.nodes] for path in body.pial_paths], axis=1)
+    distance = shapely.distance(shapely.points(pial.T), shapely.union_all(curves))
+    assert distance.max() < size / 3
+    assert body.changes.lost + body.changes.added < 0.05
+    assert shapely.unary_union(curves).length > 0
+
+
+@needed
+@pytest.mark.slow
+@pytest.mark.parametrize("file", SINGLE, ids=lambda file: file.stem)
+def test_a_single_outline_is_meshed_as_it_is(file):
+    human = file.parent == SECTIONS
+    points = read_outline(file, unit="mm" if human else 1.0).single()
+    thickness = T if human else 0.1
+    body = outline(points, thickness=thickness, elements=3)
+    examined(body, [points], thickness / 3)
+
+
+@needed
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HUMAN)
+def test_a_whole_section_is_meshed_with_its_own_white_surface(name):
+    pial, white = loops(name, "pial"), loops(name, "white")
+    body = outline(pial, interface=white, size=T / 3)
+    examined(body, pial, T / 3)
+    assert body.changes.cortex == pytest.approx(0.0, abs=0.03)
+    assert len(body.pial_paths) > 1
+    constant = outline(pial, thickness=T, elements=3)
+    examined(constant, pial, T / 3)
+
+
+@needed
+def test_units_that_do_not_agree_are_refused_at_once():
+    pial = loops(HUMAN[1], "pial")
+    with pytest.raises(ValueError, match="same unit"):
+        outline(pial, thickness=2.5, elements=3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with pytest.raises(ValueError, match="same unit"):
+            outline([1e3 * loop for loop in pial], thickness=2.5e-3, elements=3)
