@@ -60,7 +60,7 @@ def test_parts_that_grow_into_each_other_touch_and_do_not_cross(pair, tmp_path):
     assert again.summary()["folds"] == summary["folds"]
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots()
+    axes = plt.figure().add_subplot()
     figures.section(axes, result)
     figures.outline(axes, pair)
     assert len(axes.lines) >= 6
