@@ -3,16 +3,16 @@
     turingfold run cases/ferret_gel.py      draws figures/ferret_gel.png
 
 The two-layer gel experiment: a core with 1, 4 or 8 coats, each 0.025 of the radius thick, put into solvent
-for 1.5 h (t = 1). The solvent reaches depth y as erfc(y/√(4 D t)) with D = 0.02 radius² per 1.5 h, that is
-1e-9 m²/s for a radius of 16 mm; a wet coat is 2.5 times as long. Same moduli for coat and core (mu = 1, kappa
-= 5): our choices.
+for 1.5 h (t = 1). The solvent diffuses in from the surface with D = 0.02 radius² per 1.5 h, that is 1e-9 m²/s
+for a radius of 16 mm; a wet coat is 2.5 times as long. Same moduli for coat and core (mu = 1, kappa = 5): our
+choices.
 """
 
 from turingfold import (
     Imperfection,
     Scene,
     SelfContact,
-    SurfaceSwelling,
+    Swelling,
     ferret,
     figures,
     run_case,
@@ -36,7 +36,10 @@ def scenes(
         body = semicircle(
             radius=1.0, thickness=coats * coat, elements=across, base="roller", layers="sigmoid"
         )
-        wet = SurfaceSwelling(final=swelling, diffusivity=diffusivity)
+        wet = Swelling(
+            coefficient=swelling - 1.0, zone="cortex", diffusivity=diffusivity, source="pial",
+            out_of_plane="fixed",
+        )  # fmt: skip
         processes, terms = (wet, Imperfection(amplitude=amplitude)), (ferret.tissue(bulk=bulk), SelfContact())
         name = f"{coats} coats" if coats > 1 else "1 coat"
         found[name] = Scene(body=body, processes=processes, terms=terms, seed=seed)

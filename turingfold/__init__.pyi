@@ -30,7 +30,7 @@ from .growth.measure import largest_growth as largest_growth
 from .growth.stages import restart as restart
 from .growth.stress_driven import StressGrowth as StressGrowth
 from .growth.stress_driven import VolumeGrowth as VolumeGrowth
-from .growth.swelling import SurfaceSwelling as SurfaceSwelling
+from .growth.swelling import Swelling as Swelling
 from .growth.zones import Ellipse as Ellipse
 from .growth.zones import HalfPlane as HalfPlane
 from .growth.zones import Window as Window

@@ -1,6 +1,5 @@
 """Growth laws, histories, zones, stages."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +21,6 @@ from turingfold.growth.histories import (
 )
 from turingfold.growth.laws import RateGrowth
 from turingfold.growth.stages import restart
-from turingfold.growth.swelling import SurfaceSwelling
 from turingfold.growth.zones import Ellipse, HalfPlane, Window, Zone
 from turingfold.outlines import outline
 from turingfold.parts import TimeStep
@@ -310,19 +308,3 @@ def test_what_is_no_body_or_state_cannot_be_restarted(body, wrong):
 def test_a_state_without_displacement_cannot_be_restarted(body):
     with pytest.raises(MissingFieldError, match=r"no field 'displacement' \(it has: growth\).*result\.last"):
         restart(body, State(1.0, {"growth": np.ones(3)}))
-
-
-def test_swelling_starts_at_the_surface_and_ends_as_the_coat(body):
-    swelling = SurfaceSwelling(final=1.8, diffusivity=0.01, out_of_plane="tangential")
-    along, across, out = grown(swelling, body, 0.25)
-    wet = np.array([1 - math.erf(y / (2 * math.sqrt(0.01 * 0.25))) for y in body.depth[0]])
-    assert along[0] == pytest.approx(1 + 0.8 * wet * cortex_indicator(body)[0], rel=1e-12)
-    assert np.array_equal(along, across)
-    assert np.array_equal(along, out)
-    late = grown(SurfaceSwelling(final=1.8, diffusivity=1e9), body, 1.0)[0]
-    assert late == pytest.approx(1 + 0.8 * cortex_indicator(body), abs=1e-4)
-
-
-def test_swelling_without_diffusion_is_refused():
-    with pytest.raises(ValueError, match="diffusivity=0"):
-        SurfaceSwelling(diffusivity=0)

@@ -51,7 +51,7 @@ OFFERED: Mapping[str, Mapping[str, Callable[[float], Range]]] = {
     "EvolvingTuring": {"turing.half_waves": _count, "pace": _amount},
     "TangentialGrowth": {"cortex": _factor, "core": _factor, "modulation": _share, "radial_core": _factor},
     "RateGrowth": {"rate": _amount, "thinning": _share, "radial_rate": _load},
-    "SurfaceSwelling": {"final": _factor, "diffusivity": _amount},
+    "Swelling": {"coefficient": _load, "diffusivity": _amount},
     "Imperfection": {"amplitude": _load},
     "Elastic": {"gray.mu": _amount, "white.mu": _amount, "gray.kappa": _amount, "white.kappa": _amount},
     "AxonalTension": {"strength": _load, "patches": _count},
