@@ -8,7 +8,7 @@ from scipy.special import j0, j1, jn_zeros
 from turingfold import Elastic, Ellipse, NeoHookean, Scene, Stepping, Swelling, outline, semicircle, simulate
 from turingfold.geometry.body import Body
 from turingfold.geometry.layers import cortex_indicator
-from turingfold.growth.diffusion import POINTS, Diffusion
+from turingfold.growth.diffusion import Diffusion
 from turingfold.growth.histories import Exponential
 from turingfold.state import State
 from turingfold.testing import advanced, check_process
@@ -114,7 +114,6 @@ def test_the_contour_is_exact_in_time(body):
     for time in (1e-4, 1 / 16 - 1e-9, 1 / 16, 1 / 16 + 1e-9, 0.3, 1.0):
         c = 1 + modes @ (np.exp(-values * time) * start)
         assert diffusion.at(time)[free] == pytest.approx(c, abs=3e-6)
-    assert POINTS == 16
 
 
 def test_concentration_does_not_depend_on_the_steps(body):

@@ -139,13 +139,11 @@ def _share(zone: str | Region, body: Body) -> Array:
 
 def _source_nodes(body: Body, source: str) -> Integers:
     """Return the nodes of a source, in no order; a body may have several holes."""
-    mesh, (one, other) = body.mesh, body.mesh.f2t
     if source == "interface":
-        gray = body.in_cortex
-        facets = [np.flatnonzero((other >= 0) & (gray[one] != gray[other]))]
-    else:
-        facets = [np.asarray(own) for name, own in mesh.boundaries.items() if name.startswith(source)]
-    if not sum(map(len, facets)):
+        return np.concatenate([path.nodes for path in body.interface_paths])
+    mesh = body.mesh
+    facets = [np.asarray(own) for name, own in mesh.boundaries.items() if name.startswith(source)]
+    if not facets:
         raise ValueError(
             f"source={source!r}: the body has no such boundary (it has: {', '.join(sorted(mesh.boundaries))})"
             '; choose another one, or name the facets of a ventricle "hole" with mesh.with_boundaries({...}).'
