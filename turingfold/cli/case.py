@@ -6,7 +6,7 @@ import re
 import sys
 import traceback
 import unicodedata
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from functools import cached_property
@@ -57,14 +57,8 @@ class Case:
 
     @property
     def known(self) -> tuple[Any, ...]:
-        """Classes and functions of its own, which its scenes may be made of."""
-        name = self.module.__name__
-        own = [item for item in vars(self.module).values() if getattr(item, "__module__", "") == name]
-        return tuple(
-            item
-            for item in own
-            if isinstance(item, FunctionType) or (isinstance(item, type) and is_dataclass(item))
-        )
+        """Classes and functions of its own and of files beside it, which its scenes may be made of."""
+        return parts_of(self.module)
 
     @cached_property
     def parameters(self) -> dict[str, Declared]:
@@ -137,9 +131,38 @@ def case_files(folder: Path) -> list[Path]:
     return [file for file in sorted(folder.glob("*.py")) if marked.search(file.read_bytes())]
 
 
+def parts_of(module: ModuleType) -> tuple[Any, ...]:
+    """Return the dataclasses and functions of a file and of those beside it that it imports."""
+    folder = Path(module.__file__ or "").resolve().parent
+    found = []
+    for item in vars(module).values():
+        if isinstance(item, FunctionType) or (isinstance(item, type) and is_dataclass(item)):
+            source = getattr(sys.modules.get(item.__module__), "__file__", None)
+            if source is not None and Path(source).resolve().parent == folder:
+                found.append(item)
+    return tuple(found)
+
+
+def named_parts(files: Iterable[Path]) -> tuple[Any, ...]:
+    """Return the dataclasses and functions of files that are named, by the names they have when imported."""
+    found: tuple[Any, ...] = ()
+    for file in files:
+        if not file.is_file():
+            raise ValueError(f"--with {file}: there is no such file; name the one that defines the parts.")
+        found += parts_of(_module(file, file.stem))
+    return found
+
+
 def load_case(path: Path) -> Case:
     """Read a case file; raises ValueError if it is missing, has a mistake or has no scenes."""
-    name = f"turingfold_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}"
+    module = _module(path, f"turingfold_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}")
+    if not callable(getattr(module, "scenes", None)):
+        raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
+    return Case(path, module)
+
+
+def _module(path: Path, name: str) -> ModuleType:
+    """Run a Python file as a module of that name."""
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise ValueError(f"{path} is no Python file; {EXPECTED}.")
@@ -150,9 +173,7 @@ def load_case(path: Path) -> Case:
         sys.path.append(beside)
     with explained(path):
         spec.loader.exec_module(module)
-    if not callable(getattr(module, "scenes", None)):
-        raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
-    return Case(path, module)
+    return module
 
 
 def folder_name(scene: str) -> str:

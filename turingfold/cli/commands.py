@@ -59,9 +59,11 @@ def _draw(options: argparse.Namespace) -> int:
 def _animate(options: argparse.Namespace) -> int:
     from ..figures.animation import animate
     from ..results.result import load
+    from .case import named_parts
 
     file = options.figure or options.result / "film.gif"
-    say(f"film: {animate(load(options.result), file, field=options.field, rate=options.rate)}")
+    result = load(options.result, known=named_parts(options.parts))
+    say(f"film: {animate(result, file, field=options.field, rate=options.rate)}")
     return 0
 
 
@@ -96,9 +98,11 @@ def _buckling(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
+    from .case import named_parts
     from .tools import compare
 
-    say(compare(options.a, options.b, options.figure, options.landmarks))
+    known = named_parts(options.parts)
+    say(compare(options.a, options.b, options.figure, options.landmarks, known=known))
     return 0
 
 

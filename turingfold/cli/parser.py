@@ -105,6 +105,7 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
     film.add_argument("--field", default="von_mises", metavar="NAME", help="von_mises, pressure or jacobian")
     film.add_argument("--rate", type=_at_least_one, default=8, metavar="N", help="states per second (8)")
+    _add_parts(film)
     film.set_defaults(command="animate")
 
     compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
@@ -112,7 +113,15 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     compare.add_argument("b", type=Path, metavar="B", help="another one")
     compare.add_argument("--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b")
     compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
+    _add_parts(compare)
     compare.set_defaults(command="compare")
+
+
+def _add_parts(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--with", action="append", default=[], type=Path, dest="parts", metavar="FILE.py",
+        help="that defines parts of the scene that are not turingfold's; it is run",
+    )  # fmt: skip
 
 
 def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .figure import save_figure
 from .request import Assignments
@@ -55,16 +55,18 @@ def stability(asked: Stability) -> str:
     return f"{report}\nfigure: {asked.figure}"
 
 
-def compare(a: Path, b: Path, figure: Path | None, landmarks: Path | None = None) -> str:
+def compare(
+    a: Path, b: Path, figure: Path | None, landmarks: Path | None = None, *, known: tuple[Any, ...] = ()
+) -> str:
     """Return the morphometry of two results or outlines as a table; draw one on the other on request."""
     from ..morphometry.compare import compare as compared
     from ..morphometry.compare import draw_comparison
     from ..morphometry.landmarks import read_landmarks
 
     names = (a.name, b.name) if a.name != b.name else (str(a), str(b))
-    (one, start_a, thickness_a), (other, start_b, thickness_b) = _curve(a), _curve(b)
-    known = {thickness_a, thickness_b} - {None}
-    thickness = known.pop() if len(known) == 1 else None
+    (one, start_a, thickness_a), (other, start_b, thickness_b) = (_curve(path, known) for path in (a, b))
+    given = {thickness_a, thickness_b} - {None}
+    thickness = given.pop() if len(given) == 1 else None
     table = compared(
         one,
         other,
@@ -80,7 +82,7 @@ def compare(a: Path, b: Path, figure: Path | None, landmarks: Path | None = None
     return f"{table}\nfigure: {figure}"
 
 
-def _curve(path: Path) -> tuple[Array, Array | None, float | None]:
+def _curve(path: Path, known: tuple[Any, ...]) -> tuple[Array, Array | None, float | None]:
     """Return the pial surface of a result with its start and thickness, or the outline in a file without."""
     if path.is_file():
         from ..outlines.read import read_outline
@@ -88,5 +90,5 @@ def _curve(path: Path) -> tuple[Array, Array | None, float | None]:
         return read_outline(path).single(), None, None
     from ..results.result import load
 
-    result = load(path)
+    result = load(path, known=known)
     return result.pial(), result.pial(0), result.scene.body.thickness

@@ -1,0 +1,50 @@
+"""Results with parts from outside the package: runs, films and comparisons from the command line."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from turingfold.cli.main import main
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "springs.py"
+CASE = '''"""A body on springs."""
+from springs import Springs
+from turingfold import *
+def scenes(quick=False):
+    body = semicircle(radius=1.0, thickness=0.25, size=0.25)
+    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Springs(stiffness=2.0))
+    steps = Stepping(first=0.5, largest=0.5)
+    return {"one": Scene(body=body, terms=terms, processes=(TangentialGrowth(cortex=1.1),), stepping=steps)}
+def draw(results, figure):
+    figures.section(figure.add_subplot(), results["one"])
+'''
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, "springs", raising=False)  # of another test's folder
+    monkeypatch.syspath_prepend(tmp_path)
+    shutil.copy(EXAMPLE, tmp_path)
+    Path("mine.py").write_text(CASE)
+    assert main(["run", "mine.py"]) == 0
+    return Path("results/mine/one")
+
+
+def test_a_case_knows_the_parts_in_files_beside_it(folder, capsys):
+    assert main(["draw", "mine.py"]) == 0
+
+
+def test_other_commands_are_told_where_parts_are(folder, capsys):
+    assert main(["compare", str(folder), str(folder)]) == 2
+    assert "Springs" in capsys.readouterr().err
+    assert main(["compare", str(folder), str(folder), "--with", "springs.py"]) == 0
+    assert main(["animate", str(folder), "--with", "springs.py"]) == 0
+    assert (folder / "film.gif").exists()
+
+
+def test_a_file_of_parts_that_is_not_there_is_named(folder, capsys):
+    assert main(["compare", str(folder), str(folder), "--with", "nowhere.py"]) == 2
+    assert "nowhere.py" in capsys.readouterr().err
