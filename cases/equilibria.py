@@ -38,10 +38,11 @@ STEPS = {"10 steps": "x", "20 steps": "+", "40 steps": "1"}
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 0.15 * 0.0404, elements: p.Elements = 4,
+    layers: p.Layers = "sigmoid",
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 2.0, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
 ):  # fmt: skip
-    body = half(semicircle(radius=radius, thickness=thickness, elements=elements))
+    body = half(semicircle(radius=radius, thickness=thickness, elements=elements, layers=layers))
     solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
     grow = TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core)
     found = {}

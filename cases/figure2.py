@@ -16,13 +16,15 @@ from turingfold import parameters as p
 def scenes(
     quick=False, *,
     width: p.Width = 2 * 0.0404, height: p.Height = 0.74 * 0.0404, thickness: p.Thickness = 2.5e-3,
-    elements: p.Elements = 6, base: p.Base = "clamped",
+    elements: p.Elements = 6, base: p.Base = "clamped", layers: p.Layers = "sharp",
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
     kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 20, strength: p.Strength = 0.5,
     tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True, seed: p.Seed = 0,
 ):  # fmt: skip
-    body = semiellipse(width=width, height=height, thickness=thickness, elements=elements, base=base)
+    body = semiellipse(
+        width=width, height=height, thickness=thickness, elements=elements, base=base, layers=layers
+    )
     solid = human.tissue(
         young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers
     )

@@ -15,13 +15,13 @@ from turingfold import parameters as p
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
-    base: p.Base = "clamped", seed: p.Seed = 0,
+    base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
     kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
     tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True,
 ):  # fmt: skip
-    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base, layers=layers)
     solid = human.tissue(
         young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers
     )
