@@ -4,7 +4,9 @@
 
 Left: Schnakenberg's kinetics on a strip that grows as exp(0.01 t), with dilution; half waves double at each
 doubling of its length (Crampin, Gaffney, Maini 1999). Right: the scene of Figure 3, and one with more growth,
-each with the steady pattern of the undeformed band and with one that goes on reacting on the moving tissue.
+each with the steady pattern of the undeformed band and with one that goes on reacting on the moving tissue;
+and one whose reactions run as much faster as the tissue is stretched, which doubles its waves and folds the
+cortex otherwise.
 """
 
 import numpy as np
@@ -28,6 +30,7 @@ from turingfold import parameters as p
 
 GROWTH = {"growth 1.9": (1.0, 1.9), "growth 3": (5 / 6, 3.0)}  # half waves over the parameter, cortex
 RATE = 0.01  # of the strip's growth
+STRETCH = 1.0  # exponent by which reactions follow the change of area
 
 
 @p.quick(elements=2)
@@ -49,7 +52,15 @@ def scenes(
             processes, terms = (pattern, TangentialGrowth(cortex=cortex)), (solid, *pull, SelfContact())
             scene = Scene(body=body, processes=processes, terms=terms, seed=seed)
             found[f"{kind} pattern, {name}"] = scene
-    return found
+    share, cortex = GROWTH["growth 1.9"]
+    steady = Turing(kinetics_named(kinetics), half_waves=max(1, round(share * half_waves)))
+    processes = (
+        EvolvingTuring(steady, pace=pace, stretch_exponent=STRETCH),
+        TangentialGrowth(cortex=cortex),
+    )
+    terms = (solid, *pull, SelfContact())
+    scene = Scene(body=body, processes=processes, terms=terms, seed=seed)
+    return found | {"pattern that feels stretch, growth 1.9": scene}
 
 
 def computed(results):
@@ -74,7 +85,7 @@ def draw(results, figure, computed):
     axes.set_title("mode doubling")
     axes.spines[["top", "right"]].set_visible(False)
     left.colorbar(colours, ax=axes, label="activator u", location="bottom", shrink=0.6)
-    for axes, name, result in figures.section_grid(right, 2, 2, results):
+    for axes, name, result in figures.section_grid(right, 3, 2, results):
         summary, along = result.summary(), result.pattern()
         axes.set_title(
             f"{name}: {sign_changes(along - along.mean())} half waves, {figures.sulci(summary['folds'])},\n"

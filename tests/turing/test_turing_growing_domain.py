@@ -11,7 +11,7 @@ from turingfold.geometry.shapes import semicircle
 from turingfold.growth.histories import Exponential, Logistic
 from turingfold.state import State
 from turingfold.testing import advanced
-from turingfold.turing.evolving import EvolvingTuring, deformed
+from turingfold.turing.evolving import EvolvingTuring, area_change, deformed
 from turingfold.turing.growing_domain import march_on_growing_domain
 from turingfold.turing.integrators.rosenbrock import march
 from turingfold.turing.kinetics.chemical import GrayScott, Schnakenberg
@@ -170,6 +170,11 @@ def test_reactions_that_follow_the_stretch_are_as_fast_as_it_says(body):
         state = moment.state
     assert np.allclose(end["activator"], state[0], atol=1e-4)
     assert np.abs(end["activator"] - fields["activator"]).max() > 1e-2
+    assert np.allclose(area_change(body, 0.3 * body.cortex.mesh.doflocs), 1.69, rtol=1e-12)
+    # J = (1 + x / 2R)² where both coordinates are stretched alike: exact at first order in the element size
+    bent = 0.25 * body.cortex.mesh.doflocs**2 / 0.0404
+    exact = np.prod(1 + 0.5 * body.cortex.mesh.doflocs / 0.0404, axis=0)
+    assert np.abs(area_change(body, bent) - exact).max() < 0.03 * exact.max()
     with pytest.raises(ValueError, match="stretch_exponent=9 must be between"):
         EvolvingTuring(turing, stretch_exponent=9.0)
 

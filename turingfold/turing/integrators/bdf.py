@@ -13,9 +13,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...checks import positive
+from ...errors import NotConvergedError
 from ..linear.direct import Solver
 from ..reaction_diffusion import ReactionDiffusion
-from .rosenbrock import ErrorNorm, Snapshot, reaction_time, step_too_small, turns_negative
+from .rosenbrock import ErrorNorm, Positivity, Snapshot, reaction_time
 
 HIGHEST = 5
 _KAPPA = np.array([0.0, -0.1850, -1 / 9, -0.0823, -0.0415, 0.0])
@@ -35,8 +36,7 @@ def march_bdf(
 ) -> Iterator[Snapshot]:
     """Yield the accepted steps from `state` to the time `until`, the last one ending there exactly.
 
-    tolerance, floor, first, and steps that turn negative: as in `march`.
-    Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
+    tolerance, floor, first, steps that turn concentrations negative, and errors: as in `march`.
     """
     norm = ErrorNorm(positive("tolerance", tolerance, at_most=0.5), floor)
     state = system.check(state)
@@ -52,7 +52,11 @@ def march_bdf(
         while not run.step_once():
             ends = False
             if run.step < smallest:
-                raise step_too_small(run.step, run.time, 1e12 * smallest, run.negative)
+                raise NotConvergedError(
+                    f"the step of the reaction-diffusion run fell to {run.step:.3g} at time {run.time:.6g}, "
+                    "1e-12 of the reaction time: the kinetics blow up there; change parameters or start.",
+                    time=run.time,
+                )
         run.time = until if ends else run.time
         yield Snapshot(run.time, run.differences[0].copy(), run.steps, run.factorizations)
         run.adapt()
@@ -69,7 +73,7 @@ class _Run:
         self.differences[0] = state
         self.differences[1] = step * np.stack([solve(side) for side in system.rate(state)])
         self.factors: Solver | None = None
-        self.negative = False  # whether the last step tried was refused for negative concentrations
+        self.positivity = Positivity(system.kinetics, norm.tolerance, reaction_time(system, state))
 
     def rescale(self, factor: float) -> None:
         """Change the step, and interpolate the differences to it."""
@@ -96,13 +100,11 @@ class _Run:
             self.factors = None
             return False
         error = self.norm(_ERROR[k] * change, guess + change)
-        present, tolerance = differences[0], self.norm.tolerance
-        self.negative = turns_negative(self.system.kinetics, present, guess + change, tolerance)
-        if self.negative:
-            self.rescale(0.5)
-            return False
         if error > 1:
             self.rescale(max(0.2, 0.8 * error ** (-1 / (k + 1))))
+            return False
+        if self.positivity.refuses(differences[0], guess + change, self.step, self.time):
+            self.rescale(0.5)
             return False
         self.time += self.step
         self.steps += 1

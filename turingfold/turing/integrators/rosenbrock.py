@@ -128,30 +128,37 @@ class ErrorNorm:
         return float(np.sqrt(np.mean((error / (self.tolerance * size + least + 1e-300)) ** 2)))
 
 
-def turns_negative(kinetics: Kinetics, before: Array, after: Array, tolerance: float) -> bool:
-    """Return whether a step takes concentrations below 0 by more than the tolerance, relative to the largest.
+class Positivity:
+    """Refuses steps across 0: rates of concentrations may have poles below it.
 
-    Rates of concentrations may have poles below 0, and a step across one ends in states that mean nothing.
+    Beyond a pole a state means nothing, and steps may become tiny for ever. Small negative values beside a
+    front, from elements too large for it, come and go, and are let pass.
     """
-    if not kinetics.non_negative:
+
+    SHORT, PATIENCE = 1e-3, 200  # steps this many reaction times long are tiny; so many are the limit
+
+    def __init__(self, kinetics: Kinetics, tolerance: float, fastest: float) -> None:
+        """Keep the relative tolerance and the reaction time `fastest`."""
+        self.active, self.tolerance, self.fastest = kinetics.non_negative, tolerance, fastest
+        self.tiny = 0
+
+    def refuses(self, before: Array, after: Array, step: float, time: float) -> bool:
+        """Return whether a step has to be shortened; raise NotConvergedError where tiny ones do not end."""
+        if not self.active or after.min() >= 0:
+            return False
+        allowed = self.tolerance * np.abs(before).max(axis=1, keepdims=True)
+        if step > self.SHORT * self.fastest:
+            across = np.where(before > 0, after < -allowed, (before > -allowed) & (after < -5 * allowed))
+            return bool(across.any())
+        self.tiny += int((after < -allowed).any())
+        if self.tiny > self.PATIENCE:
+            raise NotConvergedError(
+                f"concentrations are negative at time {time:.6g}, down to {after.min():.3g}, where kinetics "
+                f"have no meaning, and steps fell to {step:.3g}; use a smaller tolerance or smaller "
+                "elements.",
+                time=time,
+            )
         return False
-    allowed = np.minimum(before.min(axis=1), -tolerance * np.abs(before).max(axis=1))
-    return bool((after.min(axis=1) < allowed).any())
-
-
-def step_too_small(step: float, time: float, fastest: float, negative: bool) -> NotConvergedError:
-    """Return the error that says why no step is small enough."""
-    reason = (
-        "concentrations turn negative there, because the elements are too large for a front or a peak; use "
-        "smaller elements, or linear ones with lumped mass"
-        if negative
-        else "the kinetics blow up there; change parameters or start"
-    )
-    return NotConvergedError(
-        f"the step of the reaction-diffusion run fell to {step:.3g} at time {time:.6g}, 1e-12 of the "
-        f"reaction time {fastest:.3g}: {reason}.",
-        time=time,
-    )
 
 
 def reaction_time(system: ReactionDiffusion, state: Array) -> float:
@@ -175,12 +182,14 @@ def march(
     tolerance: local error relative to the state.  floor: absolute part of it; default tolerance times the
     largest value of each species.  first: first step; default a tenth of the fastest reaction time.
     during: where the system changes in time, the system that stands for the interval (time, time + step).
-    A step that takes concentrations below 0 by more than the tolerance, relative to the largest, is halved.
-    Raises NotConvergedError when the step falls below 1e-12 of the reaction time.
+    Steps that take concentrations across 0 are halved, as `Positivity` says.
+    Raises NotConvergedError when the step falls below 1e-12 of the reaction time, or becomes tiny for good
+    where concentrations are negative.
     """
     norm = ErrorNorm(positive("tolerance", tolerance, at_most=0.5), floor)
     state = system.check(state)
     fastest = reaction_time(system, state)
+    positivity = Positivity(system.kinetics, tolerance, fastest)
     step = 0.1 * fastest if first is None else positive("first", first)
     time, steps, factorizations, growth = 0.0, 0, 0, 5.0
     while time < until:
@@ -191,8 +200,7 @@ def march(
         )
         factorizations += 1
         factor = 0.9 * max(error, 1e-8) ** (-1 / tableau.order) if math.isfinite(error) else 0.1
-        negative = turns_negative(system.kinetics, state, candidate, tolerance)
-        if negative:
+        if error <= 1.0 and positivity.refuses(state, candidate, step, time):
             step, growth = 0.5 * step, 1.0
         elif error <= 1.0:
             time, state, steps = until if last else time + step, candidate, steps + 1
@@ -201,7 +209,11 @@ def march(
         else:
             step, growth = step * max(0.1, min(0.9, factor)), 1.0
         if step < 1e-12 * fastest:
-            raise step_too_small(step, time, fastest, negative)
+            raise NotConvergedError(
+                f"the step of the reaction-diffusion run fell to {step:.3g} at time {time:.6g}, 1e-12 of the "
+                f"reaction time {fastest:.3g}: the kinetics blow up there; change parameters or start.",
+                time=time,
+            )
 
 
 def rosenbrock_step(
