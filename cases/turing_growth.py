@@ -5,8 +5,8 @@
 Left: Schnakenberg's kinetics on a strip that grows as exp(0.01 t), with dilution; half waves double at each
 doubling of its length (Crampin, Gaffney, Maini 1999). Right: the scene of Figure 3, and one with more growth,
 each with the steady pattern of the undeformed band and with one that goes on reacting on the moving tissue;
-and one whose reactions run as much faster as the tissue is stretched, which doubles its waves and folds the
-cortex otherwise.
+and two whose reactions run faster, or slower, by the stretch of the tissue: faster ones double the waves, and
+the cortex folds otherwise.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ from turingfold import parameters as p
 
 GROWTH = {"growth 1.9": (1.0, 1.9), "growth 3": (5 / 6, 3.0)}  # half waves over the parameter, cortex
 RATE = 0.01  # of the strip's growth
-STRETCH = 1.0  # exponent by which reactions follow the change of area
+STRETCH = {"faster": 1.0, "slower": -1.0}  # exponents by which reactions follow the change of area
 
 
 @p.quick(elements=2)
@@ -54,13 +54,12 @@ def scenes(
             found[f"{kind} pattern, {name}"] = scene
     share, cortex = GROWTH["growth 1.9"]
     steady = Turing(kinetics_named(kinetics), half_waves=max(1, round(share * half_waves)))
-    processes = (
-        EvolvingTuring(steady, pace=pace, stretch_exponent=STRETCH),
-        TangentialGrowth(cortex=cortex),
-    )
-    terms = (solid, *pull, SelfContact())
-    scene = Scene(body=body, processes=processes, terms=terms, seed=seed)
-    return found | {"pattern that feels stretch, growth 1.9": scene}
+    for word, exponent in STRETCH.items():
+        pattern = EvolvingTuring(steady, pace=pace, stretch_exponent=exponent)
+        processes, terms = (pattern, TangentialGrowth(cortex=cortex)), (solid, *pull, SelfContact())
+        scene = Scene(body=body, processes=processes, terms=terms, seed=seed)
+        found[f"{word} where stretched, growth 1.9"] = scene
+    return found
 
 
 def computed(results):
