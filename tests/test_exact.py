@@ -25,7 +25,8 @@ from turingfold.terms.contact import SelfContact
 from turingfold.terms.dynamics import Drag
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
-from turingfold.terms.tension import AxonalTension, DeadTension
+from turingfold.terms.line import DeadLoad
+from turingfold.terms.tension import AxonalTension
 
 # exact solutions
 
@@ -335,7 +336,7 @@ def manufactured_errors(n):
         np.add.at(forces, basis.element_dofs[k], local.T)
     fixed = rim(body)
     exact_nodes = manufactured(body.nodes)[0]
-    solid, loads = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), [DeadTension(forces.ravel())]
+    solid, loads = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), [DeadLoad(forces.ravel())]
     found, _ = equilibrium(body, solid, fixed, exact_nodes.T.ravel(), loads=loads)
     errors = []
     for i in (0, 1):
@@ -372,7 +373,7 @@ def cook(material, n):
     left = np.flatnonzero(body.nodes[0] == 0)
     u, _ = equilibrium(
         body, Elastic(gray=material), np.concatenate([2 * left, 2 * left + 1]),
-        np.zeros(forces.size), loads=[DeadTension(forces.ravel())],
+        np.zeros(forces.size), loads=[DeadLoad(forces.ravel())],
     )
     where = [np.argmin(np.hypot(body.nodes[0] - 48, body.nodes[1] - y)) for y in (52, 60)]
     return u[1, where]

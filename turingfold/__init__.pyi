@@ -96,6 +96,8 @@ from .state import State as State
 from .stepping import Stepping as Stepping
 from .studies.sweep import varied as varied
 from .terms.active import ActiveStress as ActiveStress
+from .terms.boundary_loads import BoundaryLoads as BoundaryLoads
+from .terms.boundary_loads import PeakLoads as PeakLoads
 from .terms.contact import SelfContact as SelfContact
 from .terms.damping import StiffnessDamping as StiffnessDamping
 from .terms.dynamics import Drag as Drag

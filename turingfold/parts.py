@@ -202,6 +202,10 @@ class Operator(ABC):
         """Whether it holds a body that nothing else supports."""
         return False
 
+    def check_balance(self) -> None:
+        """Raise ValueError for forces that would move the body where neither base nor a term holds it."""
+        return
+
     @abstractmethod
     def during(self, state: State, step: TimeStep) -> Potential | None:
         """Return the potential of a step, or None if the term does nothing in it.

@@ -16,7 +16,7 @@ from turingfold.state import State
 from turingfold.stepping import Stepping
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
-from turingfold.terms.tension import DeadTension
+from turingfold.terms.line import DeadLoad
 from turingfold.testing import advanced, check_derivatives, check_semidefinite, check_term
 
 STEP = TimeStep(0.1)
@@ -250,7 +250,7 @@ class Loaded(Operator):
     forces: np.ndarray
 
     def during(self, state, step):
-        return DeadTension(state.time * self.forces)
+        return DeadLoad(state.time * self.forces)
 
 
 def membrane(n, rounds):

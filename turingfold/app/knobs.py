@@ -55,6 +55,8 @@ OFFERED: Mapping[str, Mapping[str, Callable[[float], Range]]] = {
     "Imperfection": {"amplitude": _load},
     "Elastic": {"gray.mu": _amount, "white.mu": _amount, "gray.kappa": _amount, "white.kappa": _amount},
     "AxonalTension": {"strength": _load, "patches": _count},
+    "PeakLoads": {"strength": _load, "distance": _amount},
+    "BoundaryLoads": {"width": _amount},
     "ActiveStress": {"stress": _load},
     "SelfContact": {},
     "Inertia": {"density": _amount},

@@ -119,6 +119,9 @@ class Problem:
             evolution.deadline = self.deadline
         supported = any(operator.resists_rigid_motions for operator in self.operators)
         self.held: Integers = body.supported if supported else body.fixed
+        if not supported:
+            for operator in self.operators:
+                operator.check_balance()
         self.n_dofs = body.nodes.size
 
     def start(self) -> State:

@@ -6,20 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, add_up
+from ..arrays import Array
 from ..checks import finite, one_of, whole
 from ..geometry.body import Body
-from ..geometry.curve import Curve
 from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
+from .line import SHAPES, SLOPES, WEIGHTS, DeadLoad, Line
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
 FAR = 20.0  # times the stiffness: more is a mistake of units
-GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(4)
-# derivative of the quadratic shape functions (start, middle, end) and their values at the Gauss points
-SLOPES = np.stack([GAUSS - 0.5, -2 * GAUSS, GAUSS + 0.5])
-SHAPES = np.stack([0.5 * GAUSS * (GAUSS - 1), 1 - GAUSS**2, 0.5 * GAUSS * (GAUSS + 1)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,16 +84,9 @@ class TensionOperator(Operator):
 
     def __init__(self, body: Body, term: AxonalTension) -> None:
         self.body, self.term = body, term
-        self.nodes = body.interface if term.surface == "interface" else body.pial
-        closed = self.nodes.shape[0] % 2 == 0
-        self.curve = Curve(body.nodes[:, self.nodes], closed)
-        path = np.append(self.nodes, self.nodes[0]) if closed else self.nodes
-        self.edges = np.stack([path[:-2:2], path[1:-1:2], path[2::2]])  # (3, m)
-        along = np.einsum("kim,kg->igm", self.curve.segments, SLOPES)
-        self.speed = np.hypot(*along)  # ds/dξ at the integration points, (g, m)
-        self.tangent = along / self.speed
+        self.line = Line(body, body.interface if term.surface == "interface" else body.pial)
         pairs = np.array([(k, l) for k in range(6) for l in range(k + 1)]).T
-        dofs = (2 * self.edges[:, None] + np.arange(2)[None, :, None]).reshape(6, -1)
+        dofs = self.line.dofs.reshape(6, -1)
         one, other = dofs[pairs[0]], dofs[pairs[1]]
         self.pairs, self.entries = pairs, Entries(np.maximum(one, other), np.minimum(one, other))
 
@@ -105,15 +94,13 @@ class TensionOperator(Operator):
         """Return û at the curve's nodes, (3, m)."""
         body, term = self.body, self.term
         if term.patches:
-            share = body.pial_share(body.pial_curve.nearest(body.nodes[:, self.nodes])[2])
+            share = body.pial_share(body.pial_curve.nearest(body.nodes[:, self.line.nodes])[2])
             values = 0.5 * (1.0 + np.cos(2 * np.pi * term.patches * share))
         else:
-            values = body.spread(body.cortex, state["pattern"])[self.nodes]
-        if self.curve.closed:
-            values = np.append(values, values[0])
-        return np.stack([values[:-2:2], values[1:-1:2], values[2::2]])
+            values = body.spread(body.cortex, state["pattern"])[self.line.nodes]
+        return self.line.by_edge(values)
 
-    def during(self, state: State, step: TimeStep) -> DeadTension | FollowerTension | None:
+    def during(self, state: State, step: TimeStep) -> DeadLoad | FollowerTension | None:
         """Return the load at the state's time, or None while it is zero."""
         term = self.term
         rise = 1.0 if term.ramp == 0 else min(1.0, state.time / term.ramp)
@@ -121,64 +108,29 @@ class TensionOperator(Operator):
             return None
         pattern = self.pattern(state)
         if term.surface == "pial":
-            return DeadTension(rise * self._tractions(pattern))
+            return DeadLoad(rise * self._tractions(pattern))
         line = rise * term.strength * np.einsum("km,kg->gm", self._weight(pattern), SHAPES)
-        return FollowerTension(self, line) if term.follower else DeadTension(self._line_forces(line))
+        return FollowerTension(self, line) if term.follower else DeadLoad(self._line_forces(line))
 
     def _weight(self, pattern: Array) -> Array:
         return 1.0 - pattern if self.term.direction == "between-peaks" else pattern
 
     def _line_forces(self, line: Array) -> Array:
         """Nodal forces of a line tension with fixed direction: -∫ γ T ∂_s v ds, (2 n_nodes,)."""
-        forces = -np.einsum("g,gm,igm,kg->kim", WEIGHTS, line, self.tangent, SLOPES)
-        return self._nodal(forces)
+        forces = -np.einsum("g,gm,igm,kg->kim", WEIGHTS, line, self.line.tangent, SLOPES)
+        return self.line.nodal(forces)
 
     def _tractions(self, pattern: Array) -> Array:
         """Nodal forces of the tractions ±strength (∂_s û / max|∂_s û|) t, (2 n_nodes,)."""
-        slope = np.einsum("km,kg->gm", pattern, SLOPES) / self.speed
+        line = self.line
+        slope = np.einsum("km,kg->gm", pattern, SLOPES) / line.speed
         largest = np.abs(slope).max()
-        if largest <= 1e-9 * np.abs(pattern).max() / self.curve.length:  # uniform but for round-off
+        if largest <= 1e-9 * np.abs(pattern).max() / line.curve.length:  # uniform but for round-off
             return np.zeros(2 * self.body.nodes.shape[1])
         sign = 1.0 if self.term.direction == "toward-peaks" else -1.0
         traction = sign * self.term.strength * slope / largest
-        forces = np.einsum("g,gm,gm,igm,kg->kim", WEIGHTS, self.speed, traction, self.tangent, SHAPES)
-        return self._nodal(forces)
-
-    def _nodal(self, forces: Array) -> Array:
-        """Add contributions (3, 2, m) of the curve's edges up to a vector (2 n_nodes,)."""
-        dofs = 2 * self.edges[:, None] + np.arange(2)[None, :, None]
-        return add_up(dofs, forces, 2 * self.body.nodes.shape[1])
-
-
-@dataclass(frozen=True)
-class DeadTension(Potential):
-    """Forces that do not change with the displacement: energy -f·x."""
-
-    forces: Array
-
-    def evaluate(self, x: Array) -> DeadEvaluation:
-        """Return energy and gradient at x."""
-        return DeadEvaluation(self.forces, x)
-
-
-class DeadEvaluation(Evaluation):
-    """Energy of dead loads at one displacement; it has no curvature."""
-
-    has_hessian = False
-
-    def __init__(self, forces: Array, x: Array) -> None:
-        work = forces * x
-        self.forces, self.energy = forces, -float(work.sum())
-        self.round_off = 1e-15 * float(np.abs(work).sum())
-
-    def gradient(self) -> tuple[Array, float]:
-        """Return minus the forces and their sum of squares."""
-        return -self.forces, float(self.forces @ self.forces)
-
-    def hessian(self, convexity: float) -> Hessian:
-        """Return no entries."""
-        none = np.zeros(0, dtype=np.int64)
-        return Hessian(Entries(none, none), np.zeros(0), constant=False)
+        forces = np.einsum("g,gm,gm,igm,kg->kim", WEIGHTS, line.speed, traction, line.tangent, SHAPES)
+        return line.nodal(forces)
 
 
 @dataclass(frozen=True)
@@ -192,7 +144,7 @@ class FollowerTension(Potential):
         """Return energy and derivatives at x."""
         operator = self.operator
         at = operator.body.nodes + x.reshape(-1, 2).T
-        return FollowerEvaluation(self, np.einsum("ikm,kg->igm", at[:, operator.edges], SLOPES))
+        return FollowerEvaluation(self, np.einsum("ikm,kg->igm", at[:, operator.line.edges], SLOPES))
 
 
 class FollowerEvaluation(Evaluation):
@@ -209,7 +161,7 @@ class FollowerEvaluation(Evaluation):
     def gradient(self) -> tuple[Array, float]:
         """Return ∫ γ T ∂_ξ v dξ."""
         forces = np.einsum("gm,igm,kg->kim", self.weights, self.tangent, SLOPES)
-        return self.potential.operator._nodal(forces), float(np.vdot(forces, forces))
+        return self.potential.operator.line.nodal(forces), float(np.vdot(forces, forces))
 
     def hessian(self, convexity: float) -> Hessian:
         """Return ∫ γ/|∂_ξ x| (1 - T⊗T) ∂_ξ v ∂_ξ w dξ; semi-definite for a pulling tension as it is."""
