@@ -43,6 +43,16 @@ def _accuracy(options: argparse.Namespace) -> int:
     return accuracy(asked, _running(options), meshes=options.meshes, steps=options.steps)
 
 
+def _sensitivity(options: argparse.Namespace) -> int:
+    from .sensitivity import Asked, sensitivities
+
+    own = [word for name in options.to for word in ("--to", name)]
+    own += [word for name in options.of for word in ("--of", name)]
+    own += ["--figure", str(options.figure)] if options.figure else []
+    asked = Asked(tuple(options.to), tuple(options.of), options.figure)
+    return sensitivities(_request(options, "sensitivity", *own), _running(options), asked)
+
+
 def _app(options: argparse.Namespace) -> int:
     from .app import app
 
@@ -110,6 +120,7 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "run": _run,
     "sweep": _sweep,
     "accuracy": _accuracy,
+    "sensitivity": _sensitivity,
     "app": _app,
     "draw": _draw,
     "list": _list,

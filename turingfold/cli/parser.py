@@ -9,6 +9,7 @@ from typing import TypeAlias
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 FIGURES = (".png", ".pdf", ".svg")
+MEASURES = ("gyrification_index", "perimeter", "sulcal_depth", "energy")  # of turingfold sensitivity
 
 
 def parser() -> argparse.ArgumentParser:
@@ -78,6 +79,23 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     accuracy.add_argument("--meshes", type=_number, default=1, metavar="N", help="refinements, 4 x each (1)")
     accuracy.add_argument("--steps", type=_number, default=1, metavar="N", help="halvings of the steps (1)")
     accuracy.set_defaults(command="accuracy")
+
+    sensitivity = commands.add_parser(
+        "sensitivity", parents=[chosen, stored, running, common], help="which parameters matter",
+        description="Run a case; say by how many per cent measures of the end of each scene change with one "
+        "per cent of each parameter, from the equilibrium's tangent. Table and figure are in "
+        "DIR/<case>-sensitivity.",
+    )  # fmt: skip
+    sensitivity.add_argument(
+        "--to", action="append", default=[], metavar="PARAMETER",
+        help="such as TangentialGrowth.cortex or Elastic.gray.mu; may be repeated (all but those that are 0)",
+    )  # fmt: skip
+    sensitivity.add_argument(
+        "--of", action="append", default=[], metavar="MEASURE", choices=MEASURES,
+        help=f"{', '.join(MEASURES)}; may be repeated (all)",
+    )  # fmt: skip
+    sensitivity.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
+    sensitivity.set_defaults(command="sensitivity")
 
     app = commands.add_parser("app", parents=[chosen, common], help="change a case's parameters in a window")
     app.set_defaults(command="app")

@@ -1,5 +1,6 @@
 """Pictures of results, on matplotlib axes and figures that the caller gives."""
 
+from .bars import tornado as tornado
 from .grids import before as before
 from .grids import grid as grid
 from .grids import layers as layers

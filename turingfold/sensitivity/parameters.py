@@ -7,7 +7,9 @@ order h⁴, and how far the two lie apart says how large they are.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
 
 import numpy as np
 
@@ -57,6 +59,46 @@ def number_of(scene: Scene, parameter: str) -> float:
             "a sensitivity."
         )
     return value
+
+
+def numbers_of(scene: Scene) -> tuple[str, ...]:
+    """Return the parameters of the scene's parts, "Part.name", that can have a sensitivity.
+
+    Every number with a decimal point but 0, of parts that are there once, which may be a little larger and
+    smaller.
+    """
+    parts = [*scene.terms, *scene.processes]
+    kinds = [type(part).__name__ for part in parts]
+    names = [
+        name
+        for part, kind in zip(parts, kinds, strict=True)
+        if kinds.count(kind) == 1
+        for name in _numbers(kind, part)
+    ]
+    return tuple(name for name in names if _may_change(scene, name))
+
+
+def _numbers(name: str, value: Any) -> Iterator[str]:
+    if isinstance(value, float):
+        if value and np.isfinite(value):
+            yield name
+    elif isinstance(value, tuple):
+        for number, item in enumerate(value):
+            yield from _numbers(f"{name}.{number}", item)
+    elif is_dataclass(value):
+        for field in fields(value):
+            if field.init:
+                yield from _numbers(f"{name}.{field.name}", getattr(value, field.name))
+
+
+def _may_change(scene: Scene, parameter: str) -> bool:
+    value = number_of(scene, parameter)
+    try:
+        for h in (-STEP, STEP):
+            with_value(scene, parameter, value * (1 + h))
+    except ValueError:
+        return False
+    return True
 
 
 def _difference(

@@ -1,0 +1,124 @@
+"""turingfold sensitivity: which parameters of a case's scenes matter for where they end, and how much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..figures.bars import tornado
+from ..results.result import load
+from ..scene import Scene
+from ..sensitivity.forward import Sensitivity, sensitivity
+from ..sensitivity.parameters import number_of, numbers_of
+from ..stability.path_dependence import refuse_motion
+from .case import find_case, folder_name
+from .figure import save_figure
+from .parser import MEASURES
+from .plan import base_folder, planned
+from .request import Request, Running
+from .run import finished, outcomes, write_table
+from .status import say
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TABLE = "sensitivity.csv"
+COLUMNS = (
+    "scene", "measure", "number", "parameter", "value", "derivative", "per_cent_per_per_cent", "force_error",
+)  # fmt: skip
+ROUGH = 1e-2  # relative error of a derivative of forces that is told
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Parameters and measures, () for all; where to draw, None for beside the table."""
+
+    to: tuple[str, ...] = ()
+    of: tuple[str, ...] = ()
+    figure: Path | None = None
+
+
+def sensitivities(request: Request, running: Running, asked: Asked) -> int:
+    """Run scenes, print and store the sensitivities of their ends, draw them; return the exit status.
+
+    Raises ValueError, before anything is run, for scenes that no sensitivity is known of, and for unknown
+    parameters.
+    """
+    case = find_case(request.case)
+    plan = planned(case, request)
+    scenes = {one.name: one.scene for one in plan if one.scene is not None}
+    parameters = {name: _parameters(name, scene, asked) for name, scene in scenes.items()}
+    base = base_folder(case, request)
+    picture = asked.figure or base / f"{case.name}-sensitivity.png"
+    status = finished(list(outcomes(case, plan, request, running)), case, request)
+    if status:  # table and figure of an earlier run would be of other results
+        for stale in (base / TABLE, picture):
+            stale.unlink(missing_ok=True)
+        return status
+    found = {}
+    for name, to in parameters.items():
+        result = load(base / folder_name(name), known=case.known)
+        try:
+            found[name] = sensitivity(result, to=to, of=asked.of or MEASURES)
+        except ValueError as error:
+            raise ValueError(f"scene {name!r}: {error}") from error
+        say("\n".join(_told(name, found[name])))
+    write_table(base / TABLE, COLUMNS, (row for name, one in found.items() for row in _rows(name, one)))
+    say(f"table: {base / TABLE}")
+    with save_figure(picture) as figure:
+        draw(figure, found)
+    say(f"figure: {picture}")
+    return status
+
+
+def draw(figure: Figure, found: Mapping[str, Sensitivity]) -> None:
+    """Draw a row for each scene and a panel for each measure."""
+    columns = max(len(one.measures) for one in found.values())
+    bars = min(12, max(len(one.parameters) for one in found.values()))
+    figure.set_size_inches(4.2 * columns, (1.4 + 0.25 * bars) * len(found))
+    rows = np.atleast_1d(figure.subfigures(len(found), 1))
+    for row, (name, one) in zip(rows, found.items(), strict=True):
+        row.suptitle(name, fontsize=10, fontweight="bold")
+        panels = row.subplots(1, columns, squeeze=False)[0]
+        for axes, measure, number, values in zip(
+            panels, one.measures, one.numbers, one.relative, strict=True
+        ):
+            tornado(axes, one.parameters, values)
+            axes.set_title(f"{measure.replace('_', ' ')} {number:.4g}", fontsize=9)
+
+
+def _parameters(name: str, scene: Scene, asked: Asked) -> tuple[str, ...]:
+    """Return the parameters of a scene; raises ValueError for unknown ones and where there are none."""
+    try:
+        refuse_motion(scene)
+        for parameter in asked.to:
+            number_of(scene, parameter)
+    except ValueError as error:
+        raise ValueError(f"scene {name!r}: {error}") from error
+    found = asked.to or numbers_of(scene)
+    if not found:
+        raise ValueError(f"scene {name!r} has no parameter that is a number with a decimal point.")
+    return tuple(dict.fromkeys(found))
+
+
+def _told(name: str, one: Sensitivity) -> Iterator[str]:
+    yield f"{name}:"
+    yield one.text()
+    for parameter, error in zip(one.parameters, one.errors, strict=True):
+        if error > ROUGH:
+            yield f"{parameter}: the forces do not change smoothly with it; its numbers err by {error:.0%}"
+    if one.negative_pivots:
+        yield f"this state is unstable: its tangent has {one.negative_pivots} negative pivots"
+
+
+def _rows(name: str, one: Sensitivity) -> Iterator[tuple[Any, ...]]:
+    for i, measure in enumerate(one.measures):
+        for k, parameter in enumerate(one.parameters):
+            yield (
+                name, measure, one.numbers[i], parameter, one.values[k], one.derivatives[i, k],
+                one.relative[i, k], one.errors[k],
+            )  # fmt: skip
