@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..figures.bars import tornado
 from ..results.result import load
 from ..scene import Scene
@@ -80,7 +78,7 @@ def draw(figure: Figure, found: Mapping[str, Sensitivity]) -> None:
     columns = max(len(one.measures) for one in found.values())
     bars = min(12, max(len(one.parameters) for one in found.values()))
     figure.set_size_inches(4.2 * columns, (1.4 + 0.25 * bars) * len(found))
-    rows = np.atleast_1d(figure.subfigures(len(found), 1))
+    rows = figure.subfigures(len(found), 1, squeeze=False)[:, 0]
     for row, (name, one) in zip(rows, found.items(), strict=True):
         row.suptitle(name, fontsize=10, fontweight="bold")
         panels = row.subplots(1, columns, squeeze=False)[0]
