@@ -1,6 +1,7 @@
 """Pictures: what is on the axes, in which units, and that every option draws."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -132,8 +133,9 @@ def test_peaks_stand_where_the_activator_is_largest(folded, figure):
     assert len(axes.lines) == 1  # nothing without a pattern
 
 
-def test_the_whole_story_has_four_panels(folded, figure):
-    figures.folding(figure, folded, term=AxonalTension(strength=0.5))
+@pytest.mark.parametrize("term", [AxonalTension(strength=0.5), None], ids=["given", "of the scene"])
+def test_the_whole_story_has_four_panels(folded, figure, term):
+    figures.folding(figure, folded, term=term)
     story = titles(figure)
     assert [title[5] for title in story] == list("abcd")
     summary = folded.summary()
@@ -161,7 +163,8 @@ def test_a_story_without_pattern_has_the_panels_there_is_something_for(figure, d
 
 
 def test_a_story_without_load_keeps_the_pattern(folded, figure):
-    figures.folding(figure, folded)
+    terms = tuple(term for term in folded.scene.terms if not isinstance(term, AxonalTension))
+    figures.folding(figure, replace(folded, scene=replace(folded.scene, terms=terms)))
     assert [title[5:7] for title in titles(figure)] == ["a}", "b}", "c}"]
     assert "activator" in titles(figure)[0]
     assert "load" not in "".join(titles(figure))

@@ -71,7 +71,7 @@ EASY = {
     "one element": {"layers": 1},
     "thick": {"share": 0.3},
     "no noise, no load": {"tension": 0.0},
-    "shrinking to a fifth": {"growth": 0.2},
+    "shrinking to a third": {"growth": 0.33},
     "growth of 4": {"growth": 4.0},
     "stiff core": {"ratio": 1e3},
 }
@@ -126,7 +126,7 @@ def cleft_between_three_lobes(growth):
     around = ring(skull, 2 * np.pi * np.append(np.arange(240), 0) / 240)
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(skull=around))
     growing = TangentialGrowth(cortex=growth, core=growth)
-    return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=60.0)), skull
+    return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=300.0)), skull
 
 
 def between_lobes(body, moved):
