@@ -201,3 +201,11 @@ def test_a_purely_elastic_run_loads_nothing_else(loaded, absent):
 
 def test_the_package_has_one_version():
     assert importlib.import_module("importlib.metadata").version("turingfold") == turingfold.__version__
+
+
+def test_every_folder_of_the_package_and_the_cases_are_installed():
+    project = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    tool = project["tool"]["setuptools"]
+    folders = {".".join(path.parent.relative_to(PACKAGE.parent).parts) for path in PACKAGE.rglob("*.py")}
+    assert set(tool["packages"]) == {*folders, "turingfold.cases"}
+    assert tool["package-dir"] == {"turingfold.cases": "cases"}
