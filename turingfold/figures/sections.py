@@ -127,7 +127,8 @@ def peaks(axes: Axes, result: Result, step: int = -1) -> None:
         return
     before, after = (pattern[-1], pattern[0]) if pial_closed(result.scene.body) else (-np.inf, -np.inf)
     beside = np.concatenate([[before], pattern, [after]])
-    top = np.flatnonzero((pattern >= beside[:-2]) & (pattern > beside[2:]) & (pattern > 0.5))
+    high = pattern > max(0.5 * pattern.max(), 0.05)  # one that has died has none
+    top = np.flatnonzero(high & (pattern >= beside[:-2]) & (pattern > beside[2:]))
     x, y = MM * result.pial(step)[:, top]
     axes.plot(x, y, "o", color=VERMILION, markeredgecolor="white", markersize=5, label="activator peaks")
 
