@@ -194,6 +194,11 @@ def _size(size: float | None, elements: float | None, depth: Thickness, loops: l
     length = sum(float(np.hypot(*(loop - np.roll(loop, 1, axis=1))).sum()) for loop in loops)
     count = 2.3 * length / step * max(depth.typical / step, 10.0)
     extent = float(np.ptp(np.concatenate(loops, axis=1), axis=1).max())
+    if 2 * depth.typical > extent:
+        raise ValueError(
+            f"thickness={depth.typical:g} m is more than half of the outline's width, {extent:.3g} m, and "
+            "leaves hardly any white matter: are thickness and points in the same unit?"
+        )
     if count > MOST:
         raise ValueError(
             f"size={step:g} m would make about {count:.1g} gray triangles, more than {MOST:.0e}; the outline "
