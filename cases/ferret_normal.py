@@ -9,6 +9,7 @@ along its surface; that growth slows down with age, to 1/e in 12 days, is our ch
 """
 
 from turingfold import (
+    Days,
     Ellipse,
     Imperfection,
     RateGrowth,
@@ -17,7 +18,6 @@ from turingfold import (
     Zone,
     ferret,
     figures,
-    growth_time,
     outline,
     run_case,
 )
@@ -34,7 +34,8 @@ def scenes(
     until: p.Until = ferret.P32, seed: p.Seed = 0,
 ):  # fmt: skip
     body = outline(ferret.circle(), thickness=thickness, elements=elements, layers="sigmoid")
-    grow = RateGrowth(rate=rate, thinning=thinning, zones=(MIDDLE, ferret.BOTTOM))
+    ages = Days(duration=until)
+    grow = RateGrowth(rate=rate, thinning=thinning, zones=(MIDDLE, ferret.BOTTOM), ages=ages)
     processes, terms = (grow, Imperfection(amplitude=amplitude)), (ferret.tissue(bulk=bulk), SelfContact())
     return {"continuous": Scene(body=body, processes=processes, terms=terms, until=until, seed=seed)}
 
@@ -43,7 +44,7 @@ def draw(results, figure):
     result = results["continuous"]
     shown = {}
     for day in (0, 4, 8, 16, 32):
-        time = growth_time(day, duration=result.scene.until)
+        time = Days(duration=result.scene.until).time(day)
         shown[f"P{day}"] = result, figures.nearest_step(result, time)
     figures.grid(figure, shown, columns=5, width=2.6)
 

@@ -15,6 +15,8 @@ from .geometry.refinement import refined as refined
 from .geometry.roughness import roughened as roughened
 from .geometry.shapes import semicircle as semicircle
 from .geometry.shapes import semiellipse as semiellipse
+from .growth.ages import Days as Days
+from .growth.ages import Weeks as Weeks
 from .growth.along import GrowthMap as GrowthMap
 from .growth.histories import Exponential as Exponential
 from .growth.histories import Gompertz as Gompertz

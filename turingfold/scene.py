@@ -42,6 +42,11 @@ class Scene:
         object.__setattr__(self, "terms", _listed("terms", self.terms, Term))
         object.__setattr__(self, "processes", _listed("processes", self.processes, Process))
         positive("until", self.until)
+        if (last := max(self.stepping.stops, default=0.0)) > self.until * (1 + 1e-12):
+            raise ValueError(
+                f"Stepping(stops=...) holds {last:g}, after the scene's end until={self.until:g}; leave that "
+                "stop out or make until larger."
+            )
         whole("seed", self.seed, at_least=0)
         if not self.terms:
             raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib.util import find_spec
 
-from .checks import one_of, positive, whole
+from .checks import finite_array, one_of, positive, whole
 
 SOLVERS = ("auto", "cholmod", "superlu")
 LOOSEST = 1e-3
@@ -23,6 +23,7 @@ class Stepping:
     tolerance: residual at which an equilibrium counts, relative to the forces that balance in it; at most
     LOOSEST.
     iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
+    stops: times of the scene at which a step ends, and whose states are kept; no later than `until`.
     scheme: of scenes with inertia or drag: "euler", in which forces balance at the end of each step (first
     order, never gains energy), or "midpoint", in which they do in its middle (second order, loses none).
     solver: of linear systems, "cholmod" (the extra `fast`), "superlu", or "auto", the faster one installed.
@@ -35,6 +36,7 @@ class Stepping:
     iterations: int = 60
     seconds: float = float("inf")
     scheme: str = EULER
+    stops: tuple[float, ...] = ()
     solver: str = "auto"
 
     def __post_init__(self) -> None:
@@ -50,6 +52,10 @@ class Stepping:
         if self.seconds != float("inf"):
             positive("seconds", self.seconds, remedy="leave it out for no limit")
         one_of("scheme", self.scheme, (EULER, MIDPOINT))
+        stops = finite_array("stops", self.stops, (None,)).tolist()
+        if min(stops, default=0.0) < 0:
+            raise ValueError(f"stops holds {min(stops):g}; the times of a scene are not negative.")
+        object.__setattr__(self, "stops", tuple(sorted(stops)))
         one_of("solver", self.solver, SOLVERS)
         if self.solver == "cholmod" and find_spec("cvxopt") is None:
             raise ValueError("solver='cholmod' needs cvxopt: pip install 'turingfold[fast]', or drop it.")

@@ -65,7 +65,8 @@ def frames(figure: Figure, result: Result, field: str, *, last: int = 1) -> Iter
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
         folds = fold_count(result.pial(step), thickness=body.thickness, closed=pial_closed(body))
-        axes.set_title(f"growth {largest_growth(result.states[step]):.2f}, {sulci(folds)}{unfinished}")
+        age = f"{result.label(step)}, " if result.label(step) else ""
+        axes.set_title(f"{age}growth {largest_growth(result.states[step]):.2f}, {sulci(folds)}{unfinished}")
         for _ in range(1 if step < len(result.states) - 1 else last):
             yield step
 

@@ -252,7 +252,8 @@ def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None
 def measures(result: Result) -> str:
     """Return growth, sulci, gyrification index and registration as one line."""
     s = result.summary()
-    words = [f"growth {s['growth']:.2f}", sulci(s["folds"])]
+    age = result.label()
+    words = [*([age] if age else []), f"growth {s['growth']:.2f}", sulci(s["folds"])]
     words.append(f"gyrification index {s['gyrification_index']:.2f}")
     if s["registration"] is not None:
         words.append(f"registration {s['registration']:+.2f}")

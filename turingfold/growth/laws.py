@@ -14,6 +14,7 @@ from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
 from ..parts import Evolution, Fields, Process
 from ..state import State
+from .ages import Ages
 from .histories import History, Linear
 from .zones import Zone, checked_zones, gain, local_thickness
 
@@ -157,6 +158,7 @@ class RateGrowth(GrowthLaw):
     the public code of Choi et al. 2025, which has rate = 1.9 and T = 0.1 - 0.05 t of the radius. It passes
     g_t = 1.9 at t = 0.338 and reaches 6.69 at t = 1.
     radial_rate: the same along the normal, 0 there.  zones: regions with other rates or thickness.
+    ages: what ages the scene's time stands for, such as Days(duration=0.44); growth does not depend on it.
     out_of_plane: "fixed" (g_z = 1) or "tangential" (g_z = g_t).
     """
 
@@ -165,8 +167,11 @@ class RateGrowth(GrowthLaw):
     radial_rate: float = 0.0
     zones: tuple[Zone, ...] = ()
     out_of_plane: str = "fixed"
+    ages: Ages | None = None
 
     def __post_init__(self) -> None:
+        if self.ages is not None:
+            instance("ages", self.ages, Ages, "Days(duration=0.44)")
         between("rate", self.rate, -10.0, 10.0, "it is relative growth per unit of time")
         between("radial_rate", self.radial_rate, -10.0, 10.0, "it is relative growth per unit of time")
         between("thinning", self.thinning, 0.0, 1.0)

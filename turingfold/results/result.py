@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import finite, one_of, whole
 from ..geometry.body import Body, by_node
+from ..growth.ages import ages_of
 from ..growth.measure import largest_growth
 from ..parts import TimeStep
 from ..scene import Scene, stress_scale
@@ -106,12 +107,44 @@ class Result:
         moved = body.nodes + self._state(step)["displacement"]
         return [moved[:, path.nodes] for path in body.pial_paths]
 
-    def at(self, *, time: float, exact: bool = False) -> State:
+    def at(
+        self, *, time: float | None = None, week: float | None = None, day: float | None = None,
+        exact: bool | None = None,
+    ) -> State:  # fmt: skip
         """Return the state nearest to a time; `pial`, `pattern` and `observe` take it in place of a step.
 
-        Raises ValueError for a time beyond the first and last state's, and, if it must be `exact`, for one
-        without a state.
+        time: of the scene; or, of a scene whose history has ages, a gestational week or a postnatal day.
+        exact: whether it must be the state of that time itself; weeks and days must, unless it is False.
+        Raises ValueError for a time beyond the first and last state's, for an exact one without a state, and
+        for ages that the scene does not have.
         """
+        given = {"time": time, "week": week, "day": day}
+        named = [(unit, value) for unit, value in given.items() if value is not None]
+        if len(named) != 1:
+            raise ValueError(f"at() takes one of time, week and day, not {len(named)} of them.")
+        ((unit, value),) = named
+        if unit == "time":
+            return self._nearest(value, bool(exact))
+        ages = ages_of(self.scene.processes)
+        if ages is None or ages.unit != unit:
+            has = f"{ages.unit}s" if ages else "none"
+            raise ValueError(
+                f"{unit}={value:g}: no process of the scene has ages in {unit}s (it has: {has}); give growth "
+                "a history=Weeks(...) or Days(...), or ask for a time."
+            )
+        try:
+            return self._nearest(ages.time(value), exact is not False)
+        except ValueError as error:
+            raise ValueError(
+                f"{unit}={value:g}: {error} A step ends there with Stepping(stops=history.times({value:g}))."
+            ) from error
+
+    def label(self, step: int | State = -1) -> str:
+        """Return the age of a state in words, such as "week 32"; nothing where the scene has no ages."""
+        ages = ages_of(self.scene.processes)
+        return ages.label(self._state(step).time) if ages else ""
+
+    def _nearest(self, time: float, exact: bool) -> State:
         times, time = np.array([state.time for state in self.states]), finite("time", time)
         step, tolerance = int(np.argmin(np.abs(times - time))), 1e-9 * self.scene.until
         if not times[0] - tolerance <= time <= times[-1] + tolerance:

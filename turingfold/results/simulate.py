@@ -58,7 +58,7 @@ def simulate(
     progress: is called with each new row of the history.
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
     overwrite: replace a result that `out` holds; not with `resume`.
-    frames: states kept on disk, evenly spaced in time.
+    frames: states kept on disk, evenly spaced in time, beside those at the stops of its stepping.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
@@ -158,7 +158,7 @@ class _Run:
             if not self.folder.shows(number):
                 self._keep(number, own)
         before = self.history[-2]["time"] if step > 1 else 0.0
-        if step == 0 or _due(before, state.time, self.scene.until, self.frames):
+        if step == 0 or _due(before, state.time, self.scene, self.frames):
             self._keep(step, state)
         else:  # if it was kept, then only because the run ended there
             self.folder.remove_state(step)
@@ -172,7 +172,7 @@ class _Run:
         row["inverted_elements"] = len(folded_over(body.mesh, body.nodes + state["displacement"]))
         began = perf_counter()
         if self.folder is not None:
-            if _due(before, state.time, self.scene.until, self.frames):
+            if _due(before, state.time, self.scene, self.frames):
                 self.folder.add_state(len(self.history) + 1, state, step.observe())
             self.folder.add_row(row)
         self.states.append(state)
@@ -235,6 +235,8 @@ def _validity(history: Sequence[Row]) -> tuple[str, str]:
     )
 
 
-def _due(before: float, now: float, until: float, frames: int) -> bool:
-    """Return whether one of `frames` evenly spaced times lies in (before, now]."""
-    return int(now / until * frames + 1e-9) > int(before / until * frames + 1e-9)
+def _due(before: float, now: float, scene: Scene, frames: int) -> bool:
+    """Return whether one of `frames` evenly spaced times, or of the scene's stops, lies in (before, now]."""
+    share, slack = frames / scene.until, 1e-12 * scene.until
+    stopped = any(before < stop - slack and stop <= now + slack for stop in scene.stepping.stops)
+    return stopped or int(now * share + 1e-9) > int(before * share + 1e-9)

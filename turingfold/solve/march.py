@@ -103,9 +103,7 @@ def march(
     while progress.state.time < until * (1 - 1e-12):
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
-        dt = min(progress.dt, until - progress.state.time)
-        if until - progress.state.time - dt < 0.01 * dt:
-            dt = until - progress.state.time
+        dt = _length(progress, stepping, until)
         try:
             step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=failures >= PATIENCE)
         except SolveError as error:
@@ -117,8 +115,17 @@ def march(
             continue
         failures = 0
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
+        if progress.state.time + dt in stepping.stops:  # a step cut short there says little about the next
+            onward = max(onward, progress.dt)
         progress = Progress(step.state, onward, dt, progress.equilibria[-REMEMBERED:], minimiser.memory)
         yield step, progress
+
+
+def _length(progress: Progress, stepping: Stepping, until: float) -> float:
+    """Return the length of the next step, which ends at the next stop rather than just before it."""
+    now = progress.state.time
+    left = min((stop for stop in stepping.stops if stop > now + 1e-12 * until), default=until) - now
+    return left if left < 1.01 * progress.dt else progress.dt
 
 
 def _onward(dt: float, iterations: float, stepping: Stepping, until: float) -> float:
