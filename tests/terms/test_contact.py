@@ -290,7 +290,7 @@ def stem():
     half = CubicSpline(range(12), np.stack([x, y], axis=1))(np.linspace(0, 11, 160))
     half = np.concatenate([half, [[9.0, -8.2]]])
     points = 1e-3 * np.concatenate([half, half[::-1][:-1] * [-1, 1]]).T
-    return outline(points, thickness=2.5e-3, size=1e-3, smooth=1e-3, tight="trim", base="clamped",
+    return outline(points, thickness=2.5e-3, size=1e-3, base="clamped",
                    base_ends=((-9e-3, -8.2e-3), (9e-3, -8.2e-3)))
 
 

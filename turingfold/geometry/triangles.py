@@ -44,22 +44,28 @@ ALONG_ETA = np.array([(-3, 0, -1, 0, 0, 4), (1, 0, -1, -4, 4, 0), (1, 0, 3, 0, 0
 
 
 def folded_over(mesh: MeshTri2, nodes: Array) -> Integers:
-    """Return the triangles whose Jacobian is not positive everywhere; nodes: (2, n), in the mesh's order.
+    """Return the triangles whose Jacobian is not positive everywhere; nodes: (2, n), in the mesh's order."""
+    return turned_over(nodes[:, np.vstack([mesh.t, mesh.nvertices + mesh.t2f])])
+
+
+def turned_over(triangles: Array) -> Integers:
+    """Return which quadratic triangles, (2, 6, e), have a Jacobian that is not positive everywhere.
 
     In barycentric coordinates λ the Jacobian is the quadratic form λ·C λ; it is positive on the whole
-    triangle where C is strictly copositive, for which there is a test without sampling.
+    triangle where C is strictly copositive, for which there is a test without sampling. Where all entries of
+    C, the Bernstein coefficients, are positive, it is.
     Source: Hadeler 1983, On copositive matrices, Linear Algebra and its Applications 49, 79 (order 3).
     """
-    corner_nodes = nodes[:, np.vstack([mesh.t, mesh.nvertices + mesh.t2f])]
-    u, v = ALONG_XI @ corner_nodes, ALONG_ETA @ corner_nodes  # (2, 3, e)
-    product = u[0, :, None] * v[1, None] - u[1, :, None] * v[0, None]
-    C = 0.5 * (product + product.swapaxes(0, 1))
-    root = np.sqrt(np.maximum(C[[0, 1, 2], [0, 1, 2]], 0.0))
-    i, j, k = [0, 1, 2], [1, 2, 0], [2, 0, 1]
-    pairs = C[i, j] + root[i] * root[j]
-    inside = root.prod(0) + (C[i, j] * root[k]).sum(0) + np.sqrt(2 * np.maximum(pairs, 0.0).prod(0))
-    positive = (root > 0).all(0) & (pairs > 0).all(0) & (inside > 0)
-    return np.flatnonzero(~positive)
+    u, v = ALONG_XI @ triangles, ALONG_ETA @ triangles  # (2, 3, e)
+    i, j, k = np.array([0, 1, 2]), np.array([1, 2, 0]), np.array([2, 0, 1])
+    own = u[0] * v[1] - u[1] * v[0]
+    between = 0.5 * (u[0, i] * v[1, j] - u[1, i] * v[0, j] + u[0, j] * v[1, i] - u[1, j] * v[0, i])
+    doubtful = np.flatnonzero(~((own > 0).all(0) & (between > 0).all(0)))
+    root, between = np.sqrt(np.maximum(own[:, doubtful], 0.0)), between[:, doubtful]
+    pairs = between + root[i] * root[j]
+    inside = root.prod(0) + (between * root[k]).sum(0) + np.sqrt(2 * np.maximum(pairs, 0.0).prod(0))
+    found: Integers = doubtful[~((root > 0).all(0) & (pairs > 0).all(0) & (inside > 0))]
+    return found
 
 
 def check_elements(mesh: MeshTri2) -> None:

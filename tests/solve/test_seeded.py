@@ -1,0 +1,66 @@
+"""Seeded scenes, ordinary and extreme: every accepted state is valid, or the run does not say "converged"."""
+import numpy as np
+import pytest
+from skfem import MeshTri2
+
+from turingfold.geometry.shapes import semiellipse
+from turingfold.growth.laws import TangentialGrowth
+from turingfold.morphometry.walls import self_intersections
+from turingfold.results.simulate import StoppedError, simulate
+from turingfold.scene import Scene
+from turingfold.stepping import Stepping
+from turingfold.terms.contact import SelfContact
+from turingfold.terms.elastic.material import NeoHookean
+from turingfold.terms.elastic.term import Elastic
+from turingfold.terms.tension import AxonalTension
+
+POINTS = np.array([(i, j) for i in range(9) for j in range(9 - i)]).T / 8.0  # 45 of the reference triangle
+RADIUS = 0.0404
+
+
+def scene(seed, extreme):
+    """Return a scene drawn from ranges in which tissue lies, or far beyond them, on a coarse mesh."""
+    rng = np.random.default_rng(seed)
+
+    def between(low, high, far_low, far_high):
+        ends = (far_low, far_high) if extreme else (low, high)
+        return float(np.exp(rng.uniform(*np.log(ends))))
+
+    thickness = RADIUS * between(0.05, 0.15, 0.05, 0.3)
+    body = semiellipse(
+        width=2 * RADIUS, height=RADIUS * between(0.5, 1.5, 0.25, 4.7), thickness=thickness,
+        size=thickness / rng.integers(1, 3), base=str(rng.choice(["clamped", "roller"])),
+    )  # fmt: skip
+    poisson = 0.0 if extreme and rng.random() < 0.3 else float(rng.uniform(0.3, 0.47))
+    ratio = between(0.7, 3.0, 1e-3, 1e2)
+    gray, white = (NeoHookean.from_young(young, poisson) for young in (1389.0, 1389.0 * ratio))
+    pull = AxonalTension(strength=0.5 * between(0.5, 2.0, 1.0, 100.0), patches=int(rng.integers(8, 16)))
+    growing = TangentialGrowth(cortex=between(1.5, 2.2, 0.3, 4.0))
+    terms = (Elastic(gray=gray, white=white), pull, SelfContact(gap=float(rng.uniform(0.1, 0.8))))
+    return Scene(body=body, terms=terms, processes=(growing,), stepping=Stepping(seconds=30.0))
+
+
+def outcome(made):
+    """Run; return whether the run says that it converged, and how many of its states are not valid."""
+    try:
+        result = simulate(made)
+    except StoppedError as error:
+        result = error.result
+    body, invalid = made.body, 0
+    rest = body.mesh.mapping().detDF(POINTS)
+    for state in result.states:
+        nodes = body.nodes + state["displacement"]
+        moved = MeshTri2(np.ascontiguousarray(nodes), body.mesh.t, validate=False, sort_t=False)
+        crossings = self_intersections(nodes[:, body.pial], closed=False, quadratic=True)
+        invalid += bool((moved.mapping().detDF(POINTS) / rest).min() <= 0 or crossings)
+    return result.status, invalid
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("extreme", [False, True], ids=["ordinary", "extreme"])
+@pytest.mark.filterwarnings("ignore::turingfold.results.simulate.CoarseMeshWarning")
+def test_no_invalid_state_is_called_converged(extreme):
+    found = [outcome(scene(seed, extreme)) for seed in range(30 if extreme else 40)]
+    assert not [(seed, said) for seed, said in enumerate(found) if said[0] == "converged" and said[1]]
+    if not extreme:
+        assert [said[0] for said in found] == ["converged"] * 40
