@@ -13,16 +13,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MORE, LESS = "#d55e00", "#0072b2"
-UNSEEN = 2e-3  # length of a bar over the longest
 
 
 def tornado(axes: Axes, parameters: Sequence[str], per_cent: Array, *, most: int = 12) -> None:
     """Draw by how many per cent a measure changes with one per cent of each parameter, the largest on top.
 
-    per_cent: of the parameters, (p,). At most `most` are shown, and none that is too short to be seen.
+    per_cent: of the parameters, (p,). At most `most` of them are shown.
     """
-    sizes = np.nan_to_num(np.abs(per_cent), nan=0.0, posinf=0.0)
-    order = [k for k in np.argsort(-sizes) if sizes[k] > UNSEEN * sizes.max()][:most]
+    order = [k for k in np.argsort(-np.abs(per_cent)) if np.isfinite(per_cent[k])][:most]
     values = np.asarray(per_cent)[order]
     rows = np.arange(len(order))
     bars = axes.barh(rows, values, color=np.where(values > 0, MORE, LESS), height=0.7)
