@@ -51,10 +51,11 @@ def sensitivities(request: Request, running: Running, asked: Asked) -> int:
     scenes = {one.name: one.scene for one in plan if one.scene is not None}
     parameters = {name: _parameters(name, scene, asked) for name, scene in scenes.items()}
     base = base_folder(case, request)
-    picture = asked.figure or base / f"{case.name}-sensitivity.png"
+    usual = base / f"{case.name}-sensitivity.png"
+    picture = asked.figure or usual
     status = finished(list(outcomes(case, plan, request, running)), case, request)
     if status:  # table and figure of an earlier run would be of other results
-        for stale in (base / TABLE, picture):
+        for stale in (base / TABLE, usual):
             stale.unlink(missing_ok=True)
         return status
     found = {}
