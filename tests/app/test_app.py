@@ -1,6 +1,5 @@
 """The window: what its controls change, what a run shows, what it says when something is refused."""
 
-import argparse
 import shlex
 import sys
 from dataclasses import dataclass, replace
@@ -36,10 +35,10 @@ from turingfold.app.window import CASE, RED
 from turingfold.cli import app as cli_app
 from turingfold.cli.figure import save_figure
 from turingfold.cli.main import parser
-from turingfold.cli.status import run_command
-from turingfold.cli.sweep import Sweep
-from turingfold.parts import Potential
+from turingfold.cli.request import Request
+from turingfold.parts import Term
 from turingfold.results.result import TISSUE
+from turingfold.studies.sweep import read_values
 
 STEPS = 2
 GRAY, WHITE = NeoHookean(mu=500.0, kappa=5000.0), NeoHookean(mu=700.0, kappa=7000.0)
@@ -61,9 +60,8 @@ def window(tmp_path):
     """Return what opens a window that is never shown; pictures go to a folder of its own."""
 
     def command(scene, assignments):
-        variation = Sweep(assignments) if assignments else None
-        options = argparse.Namespace(case=Path("case.py"), quick=False, out=None, variation=variation)
-        return run_command(options, [scene])
+        words = tuple(word for name, value in assignments for word in ("--vary", f"{name}={value}"))
+        return Request("case.py", only=(scene,), command=("sweep", *words) if words else ("run",)).words()
 
     def save(name, draw):
         path = tmp_path / f"{name}.png"
@@ -157,7 +155,7 @@ def test_what_the_scene_refuses_is_not_offered(scene):
 
 
 @dataclass(frozen=True)
-class Weight(Potential):
+class Weight(Term):
     """A part that turingfold does not have, and whose float is written as a whole number."""
 
     load: float = 2
@@ -353,7 +351,8 @@ def test_the_command_line_makes_the_same_scene(scene, window):
     click(app, app.panel.switches["SelfContact"].ax, 0.15)
     options = parser().parse_args(shlex.split(app.line())[1:])
     assert options.only == ["scene 0"]
-    ((name, again),) = Sweep(tuple(options.vary)).scenes({"scene 0": scene}).items()
+    values = {name: read_values(text, scene, name) for name, text in options.vary}
+    ((name, again),) = varied(scene, values).items()
     assert (name, again) == app.panel.settings.made()
     assert again != scene
     assert again.processes[1].cortex == 1 + 1 / 3
@@ -483,7 +482,7 @@ def scenes(quick=False):
 def options(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("patch.py").write_text(CASE_FILE, encoding="utf-8")
-    return argparse.Namespace(case=Path("patch.py"), only=None, quick=True)
+    return Request("patch.py", quick=True, command=("app",))
 
 
 def test_the_command_opens_a_window_on_the_case(options, monkeypatch, capsys):
@@ -533,9 +532,8 @@ def test_a_window_system_that_is_not_there_is_an_input_error(options, monkeypatc
 
 
 def test_unknown_scenes_are_named(options):
-    options.only = ["path"]
     with pytest.raises(ValueError, match="it has: 'patch'"):
-        cli_app.app(options)
+        cli_app.app(options.with_only(["path"]))
 
 
 def test_a_part_that_is_typed_off_can_be_switched_on(scene, window):

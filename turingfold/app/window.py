@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, TypeAlias
 from ..errors import SolveError
 from ..figures.sections import measures
 from ..figures.style import INK
-from ..outlines.line import LEFT
 from ..scene import Scene
 from .knobs import Settings
-from .panel import BESIDE, BLUE, CHOICE, INDENT, Panel
+from .panel import BESIDE, BLUE, CHOICE, INDENT, LEFT, Panel
 from .picture import TISSUE, VIEWS, Before, Box, extent, picture
 from .trial import Trial
 
