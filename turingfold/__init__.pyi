@@ -12,7 +12,7 @@ from .geometry.body import Body as Body
 from .geometry.changes import Changes as Changes
 from .geometry.mirror import half as half
 from .geometry.refinement import refined as refined
-from .geometry.roughness import roughened as roughened
+from .geometry.roughness import geometric_imperfection as geometric_imperfection
 from .geometry.shapes import semicircle as semicircle
 from .geometry.shapes import semiellipse as semiellipse
 from .growth.ages import Days as Days
@@ -29,7 +29,7 @@ from .growth.imperfection import Imperfection as Imperfection
 from .growth.laws import RateGrowth as RateGrowth
 from .growth.laws import TangentialGrowth as TangentialGrowth
 from .growth.measure import largest_growth as largest_growth
-from .growth.stages import restart as restart
+from .growth.stages import stress_free_restart as stress_free_restart
 from .growth.stress_driven import StressGrowth as StressGrowth
 from .growth.stress_driven import VolumeGrowth as VolumeGrowth
 from .growth.swelling import Swelling as Swelling
@@ -65,7 +65,7 @@ from .morphometry.similarity import similarity_null as similarity_null
 from .morphometry.walls import mirror_error as mirror_error
 from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length
-from .outlines.build import Fine as Fine
+from .outlines.build import RefinementDisc as RefinementDisc
 from .outlines.build import outline as outline
 from .outlines.mask import mask_outline as mask_outline
 from .outlines.mask import sections as sections

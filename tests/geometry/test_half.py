@@ -7,7 +7,7 @@ from skfem import MeshTri1
 
 from turingfold.geometry.body import Body
 from turingfold.geometry.mirror import half
-from turingfold.geometry.roughness import roughened
+from turingfold.geometry.roughness import geometric_imperfection
 from turingfold.geometry.shapes import semicircle, semiellipse
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.laws import TangentialGrowth
@@ -109,7 +109,7 @@ def cortex_on_the_right(body):
 CROOKED = {
     "shifted": lambda body: changed(body, doflocs=body.nodes + np.array([[0.03], [0.0]])),
     "sheared": sheared,
-    "rough": lambda body: roughened(body, 0.005, modes=20, seed=0),
+    "rough": lambda body: geometric_imperfection(body, 0.005, modes=20, seed=0),
     "one node": lambda body: changed(body, doflocs=body.nodes + 1e-6 * (np.arange(body.nodes.shape[1]) == 9)),
     "cortex": cortex_on_the_right,
 }
@@ -136,7 +136,7 @@ def test_a_symmetric_mesh_with_triangles_across_the_line_cannot_be_halved():
 def test_a_symmetric_roughness_can_be_halved(base, of):
     smooth = semiellipse(width=2.0, height=0.8, thickness=0.1, size=0.05, base=base)
     for seed in range(3):
-        rough = roughened(smooth, 0.005, of=of, modes=20, seed=seed, symmetric=True)
+        rough = geometric_imperfection(smooth, 0.005, of=of, modes=20, seed=seed, symmetric=True)
         right = half(rough)
         assert 2 * area(right) == pytest.approx(area(rough), rel=1e-12)
         assert 1e-4 < np.abs(rough.nodes - smooth.nodes).max() < 0.03

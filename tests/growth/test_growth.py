@@ -20,7 +20,7 @@ from turingfold.growth.histories import (
     postnatal_day,
 )
 from turingfold.growth.laws import RateGrowth
-from turingfold.growth.stages import restart
+from turingfold.growth.stages import stress_free_restart
 from turingfold.growth.zones import Ellipse, HalfPlane, Window, Zone
 from turingfold.outlines import outline
 from turingfold.parts import TimeStep
@@ -272,7 +272,7 @@ def test_growth_slows_down_with_age_from_the_first_to_the_last_day():
 def test_a_restarted_body_is_free_of_stress_and_follows_its_new_shape(body):
     x, y = body.nodes
     moved = State(1.0, {"displacement": np.stack([0.2 * x, -0.1 * y + 0.05 * y * x**2])})
-    new = restart(body, moved)
+    new = stress_free_restart(body, moved)
     still = np.zeros(2 * new.nodes.shape[1])
     potential = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)).on(new).during(State(0.0), TimeStep(0.1))
     elastic = potential.evaluate(still)
@@ -294,17 +294,18 @@ def test_a_restarted_body_is_free_of_stress_and_follows_its_new_shape(body):
 def test_a_folded_over_body_cannot_be_restarted(body):
     x, y = body.nodes
     with pytest.raises(ValueError, match="triangle"):
-        restart(body, State(1.0, {"displacement": np.stack([0 * x, -1.5 * y * (np.abs(x) < 0.3)])}))
+        folded = {"displacement": np.stack([0 * x, -1.5 * y * (np.abs(x) < 0.3)])}
+        stress_free_restart(body, State(1.0, folded))
 
 
 @pytest.mark.parametrize("wrong", [None, State])
 def test_what_is_no_body_or_state_cannot_be_restarted(body, wrong):
     with pytest.raises(ValueError, match=r"body=.* must be a Body object"):
-        restart(wrong, State(1.0))
+        stress_free_restart(wrong, State(1.0))
     with pytest.raises(ValueError, match=r"state=.* must be a State object, such as result\.last"):
-        restart(body, wrong)
+        stress_free_restart(body, wrong)
 
 
 def test_a_state_without_displacement_cannot_be_restarted(body):
     with pytest.raises(MissingFieldError, match=r"no field 'displacement' \(it has: growth\).*result\.last"):
-        restart(body, State(1.0, {"growth": np.ones(3)}))
+        stress_free_restart(body, State(1.0, {"growth": np.ones(3)}))

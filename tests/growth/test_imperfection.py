@@ -5,7 +5,7 @@ import pytest
 
 from turingfold.errors import MissingFieldError
 from turingfold.geometry.mirror import half
-from turingfold.geometry.roughness import noise, roughened
+from turingfold.geometry.roughness import geometric_imperfection, noise
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.laws import TangentialGrowth
@@ -80,7 +80,7 @@ def test_half_body_gets_the_symmetric_noise_of_the_whole():
 
 def test_roughened_body_keeps_base_and_moves_the_pial_surface_by_the_noise():
     smooth = body(0.025)
-    rough = roughened(smooth, 0.004, modes=20, seed=5)
+    rough = geometric_imperfection(smooth, 0.004, modes=20, seed=5)
     shift = rough.nodes - smooth.nodes
     x, y = smooth.nodes[:, smooth.pial]
     share = np.arctan2(y, x) / np.pi
@@ -100,7 +100,7 @@ def test_bad_amplitude(amplitude):
     with pytest.raises(ValueError, match="amplitude"):
         Imperfection(amplitude=amplitude)
     with pytest.raises(ValueError, match="amplitude"):
-        roughened(body(), amplitude)
+        geometric_imperfection(body(), amplitude)
 
 
 @pytest.mark.parametrize(
@@ -114,22 +114,22 @@ def test_bad_amplitude(amplitude):
 )
 def test_bad_modes_and_seeds_are_named(options, message):
     with pytest.raises(ValueError, match=message):
-        roughened(body(0.2), 0.01, **options)
+        geometric_imperfection(body(0.2), 0.01, **options)
 
 
 def test_a_roughness_that_turns_triangles_over_is_refused_with_its_remedy():
     with pytest.raises(ValueError, match=r"amplitude=0\.15 m with modes=80 .* smaller amplitude or fewer"):
-        roughened(semicircle(radius=1.0, thickness=0.2, size=0.1), 0.15)
+        geometric_imperfection(semicircle(radius=1.0, thickness=0.2, size=0.1), 0.15)
 
 
 def test_rough_thickness_leaves_the_interface():
     smooth = body(0.025)
-    rough = roughened(smooth, 0.004, of="thickness", modes=20, seed=5)
+    rough = geometric_imperfection(smooth, 0.004, of="thickness", modes=20, seed=5)
     shift = rough.nodes - smooth.nodes
     assert shift[:, smooth.interface] == pytest.approx(0.0, abs=1e-9)
     assert np.hypot(*shift[:, smooth.pial]).max() > 0.004
     with pytest.raises(ValueError, match="'shape', 'thickness'"):
-        roughened(smooth, 0.004, of="colour")
+        geometric_imperfection(smooth, 0.004, of="colour")
 
 
 def test_noise_on_a_closed_surface_has_no_seam():
@@ -149,7 +149,7 @@ def test_noise_on_a_closed_surface_has_no_seam():
 def test_a_closed_body_is_rough_all_round():
     angle = 2 * np.pi * np.arange(60) / 60
     body = outline(np.stack([np.cos(angle), np.sin(angle)]), thickness=0.2, size=0.1)
-    rough = roughened(body, 0.01, modes=10)
+    rough = geometric_imperfection(body, 0.01, modes=10)
     radius = np.hypot(*rough.nodes[:, rough.pial]) - np.hypot(*body.nodes[:, body.pial])
     near = np.abs(np.arctan2(*body.nodes[::-1, body.pial])) < 0.3  # where the curve begins
     assert np.abs(radius[near]).max() > 1e-3

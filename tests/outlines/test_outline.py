@@ -6,7 +6,7 @@ import shapely
 from planar import area
 from scipy.interpolate import CubicSpline
 
-from turingfold.outlines import Fine, outline
+from turingfold.outlines import RefinementDisc, outline
 from turingfold.outlines.fill import angles
 from turingfold.outlines.line import line
 from turingfold.outlines.loops import closed_loops
@@ -377,15 +377,18 @@ def test_a_closed_outline_is_counter_clockwise_without_repeats():
 
 
 def test_a_single_disc_is_as_good_as_a_tuple_of_it():
-    disc = Fine(centre=(0.0, 1.0), radius=0.3, share=0.5)
+    disc = RefinementDisc(centre=(0.0, 1.0), radius=0.3, share=0.5)
     one, several = (outline(circle(), thickness=0.3, size=0.15, fine=fine) for fine in (disc, [disc]))
     assert np.array_equal(one.nodes, several.nodes)
     assert one.mesh.nelements > outline(circle(), thickness=0.3, size=0.15).mesh.nelements
 
 
-@pytest.mark.parametrize(("fine", "shown"), [((1,), "1"), (None, "None"), (Fine, r"Fine \(a class\)")])
+@pytest.mark.parametrize(
+    ("fine", "shown"), [((1,), "1"), (None, "None"), (RefinementDisc, r"RefinementDisc \(a class\)")]
+)
 def test_what_is_no_disc_is_refused(fine, shown):
-    with pytest.raises(ValueError, match=rf"fine={shown} must be a Fine object, such as Fine\(centre="):
+    words = rf"fine={shown} must be a RefinementDisc object, such as RefinementDisc\(centre="
+    with pytest.raises(ValueError, match=words):
         outline(circle(), thickness=0.3, size=0.15, fine=fine)
 
 
@@ -393,7 +396,7 @@ def test_elements_are_finer_inside_a_disc_and_the_body_is_the_same():
     points = half_circle()
     options = {"thickness": 0.1, "size": 0.05, "base": "roller", "base_ends": ((-1, 0), (1, 0))}
     plain = outline(points, **options)
-    body = outline(points, **options, fine=(Fine(centre=(0.0, 1.0), radius=0.3, share=0.4),))
+    body = outline(points, **options, fine=(RefinementDisc(centre=(0.0, 1.0), radius=0.3, share=0.4),))
     mesh = body.mesh
     assert angles(mesh.p, mesh.t).min() > 20
     ends = mesh.p[:, mesh.facets]
@@ -406,4 +409,4 @@ def test_elements_are_finer_inside_a_disc_and_the_body_is_the_same():
     distance = body.pial_curve.nearest(body.nodes[:, body.interface])[0]
     assert distance == pytest.approx(0.1, rel=5e-3)
     with pytest.raises(ValueError, match="share=2"):
-        Fine(centre=(0.0, 1.0), radius=0.3, share=2.0)
+        RefinementDisc(centre=(0.0, 1.0), radius=0.3, share=2.0)

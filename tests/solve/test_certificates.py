@@ -8,7 +8,7 @@ from turingfold import (
     Scene,
     Stepping,
     TangentialGrowth,
-    roughened,
+    geometric_imperfection,
     semiellipse,
 )
 from turingfold.solve.inertia import negative_pivots
@@ -28,7 +28,7 @@ def scene(seed):
         base=str(rng.choice(["clamped", "roller"])),
     )
     return Scene(
-        body=roughened(body, 0.01 * thickness, seed=seed),
+        body=geometric_imperfection(body, 0.01 * thickness, seed=seed),
         terms=(Elastic(gray=GRAY, white=WHITE),),
         processes=(TangentialGrowth(cortex=rng.uniform(1.4, 2.2)),),
         stepping=Stepping(first=1 / steps, largest=1 / steps),

@@ -28,7 +28,8 @@ def half(body: Body) -> Body:
     if mirror_images(body) is None:
         raise ValueError(
             "the mesh is not its own image in the line x = 0; only a mirror-symmetric mesh can be halved: "
-            "shift its line of symmetry to x = 0, or make it symmetric (roughened(..., symmetric=True))."
+            "shift its line of symmetry to x = 0, or make it symmetric (geometric_imperfection(..., "
+            "symmetric=True))."
         )
     mesh = body.mesh
     keep = np.flatnonzero(mesh.p[0][mesh.t].mean(0) > 0)

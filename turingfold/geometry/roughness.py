@@ -30,7 +30,7 @@ def noise(share: Array, modes: int, seed: int, symmetric: bool = False, closed: 
     return np.asarray(np.sqrt(2 / modes) * waves @ amplitude)
 
 
-def roughened(
+def geometric_imperfection(
     body: Body,
     amplitude: float,
     *,

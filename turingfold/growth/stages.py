@@ -10,7 +10,7 @@ from ..geometry.body import Body
 from ..state import State
 
 
-def restart(body: Body, state: State) -> Body:
+def stress_free_restart(body: Body, state: State) -> Body:
     """Return the deformed body as a new one, free of stress: what a stage of growth hands to the next.
 
     Elements keep their layer and the cortex its nominal thickness; depth and tangents follow the new shape.

@@ -1,6 +1,6 @@
 """Bodies from measured outlines: read, repair, offset, mesh."""
 
-from .build import Fine as Fine
+from .build import RefinementDisc as RefinementDisc
 from .build import outline as outline
 from .mask import mask_outline as mask_outline
 from .mask import sections as sections

@@ -27,7 +27,7 @@ TOLD = 0.05  # share of the area, or of the cortex, from which on a change is a 
 
 
 @dataclass(frozen=True)
-class Fine:
+class RefinementDisc:
     """A disc in which the cortex has smaller elements: `share` of the asked size.
 
     centre: (x, y), m.  radius: m; beyond it elements grow by the outline's `grading` to the asked size.
@@ -64,7 +64,7 @@ def outline(
     inset: float | None = None,
     smooth: float = 0.0,
     grading: float = 0.35,
-    fine: Fine | tuple[Fine, ...] = (),
+    fine: RefinementDisc | tuple[RefinementDisc, ...] = (),
 ) -> Body:
     """Return the tissue inside closed curves, meshed with its gray-white interface on element edges.
 
@@ -109,7 +109,7 @@ def outline(
     walls = step / 4 if inset is None else positive("inset", inset)
     discs = tuple(fine) if isinstance(fine, (tuple, list)) else (fine,)
     for disc in discs:
-        instance("fine", disc, Fine, "Fine(centre=(0.0, 0.03), radius=0.01, share=0.5)")
+        instance("fine", disc, RefinementDisc, "RefinementDisc(centre=(0.0, 0.03), radius=0.01, share=0.5)")
 
     def finest(at: Array) -> Array:
         limits = [disc.share * step + grading * disc.away(at) for disc in discs]
