@@ -28,7 +28,7 @@ def remeshed(body: Body, state: State, *, size: float, inset: float) -> Body:
     """
     positive("inset", inset, at_most=0.5 * body.thickness, remedy="it must be small against the cortex")
     if not all(path.closed for path in body.pial_paths):
-        raise ValueError("only a closed pial surface can be meshed anew; see stress_free_restart(body, state).")
+        raise ValueError("only a closed pial surface can be meshed anew; see stress_free_restart(...).")
     moved = body.nodes + state["displacement"]
 
     def sampled(paths: tuple[Path, ...]) -> list[Array]:
