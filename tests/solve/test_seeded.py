@@ -25,9 +25,11 @@ def scene(seed, extreme):
         ends = (far_low, far_high) if extreme else (low, high)
         return float(np.exp(rng.uniform(*np.log(ends))))
 
-    thickness = RADIUS * between(0.05, 0.15, 0.05, 0.3)
+    aspect, share = between(0.5, 1.5, 0.25, 4.7), between(0.05, 0.15, 0.05, 0.3)
+    # below half of the smaller semi-axis and the smallest radius of curvature
+    thickness = RADIUS * min(share, 0.4 * aspect, 0.8 * aspect**2, 0.8 / aspect)
     body = semiellipse(
-        width=2 * RADIUS, height=RADIUS * between(0.5, 1.5, 0.25, 4.7), thickness=thickness,
+        width=2 * RADIUS, height=RADIUS * aspect, thickness=thickness,
         size=thickness / rng.integers(1, 3), base=str(rng.choice(["clamped", "roller"])),
     )  # fmt: skip
     poisson = 0.0 if extreme and rng.random() < 0.3 else float(rng.uniform(0.3, 0.47))
