@@ -58,7 +58,7 @@ def outcome(made):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("extreme", [False, True], ids=["ordinary", "extreme"])
-@pytest.mark.filterwarnings("ignore::turingfold.results.simulate.CoarseMeshWarning")
+@pytest.mark.filterwarnings("ignore::UserWarning")
 def test_no_state_with_triangles_turned_over_is_called_converged(extreme):
     found = [outcome(scene(seed, extreme)) for seed in range(30 if extreme else 40)]
     assert not [(seed, said) for seed, said in enumerate(found) if said[0] == "converged" and said[1]]
