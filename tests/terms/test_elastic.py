@@ -8,7 +8,6 @@ from skfem import MeshTri1
 
 from turingfold.geometry.body import Body
 from turingfold.geometry.shapes import semicircle
-from turingfold.geometry.triangles import folded_over
 from turingfold.growth.laws import TangentialGrowth
 from turingfold.parts import TimeStep
 from turingfold.state import State
@@ -240,8 +239,7 @@ def test_the_step_bound_is_admissible_and_not_timid(seed, size):
     d = size * np.random.default_rng(seed).standard_normal(2 * body.nodes.shape[1])
     bound = potential.evaluate(np.zeros_like(d)).largest_step(d)
     assert potential.evaluate(bound * d).J.min() > 0.0999
-    nodes = body.nodes + 2 * bound * d.reshape(-1, 2).T
-    if bound < 1 and not folded_over(body.mesh, nodes).size:  # at the bound one point has lost nine tenths
+    if bound < 1:  # at the bound one point has lost nine tenths
         assert potential.evaluate(bound * d).J.min() == pytest.approx(0.1, rel=1e-6)
 
 
@@ -268,16 +266,3 @@ def test_bad_input_is_refused():
         Elastic(gray=GRAY, white="stiff")
     with pytest.raises(TypeError):
         Elastic(grey=GRAY)
-
-
-def test_the_energy_is_infinite_where_a_triangle_turns_over_beside_the_integration_points():
-    mesh = MeshTri1(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), np.array([[0], [1], [2]]))
-    body = Body(mesh.with_boundaries({"pial": mesh.boundary_facets()}), 1.0, "free")
-    potential = Elastic(gray=GRAY).on(body).during(State(0.0, {}), STEP)
-    middle = int(np.argmin(np.hypot(*(body.nodes - [[0.5], [0.0]]))))
-    for shift, turned in ((0.24, False), (0.26, True)):  # at the corner det F = 1 - 4 shift
-        x = np.zeros(body.nodes.size)
-        x[2 * middle] = -shift
-        assert (potential.evaluate(x) is None) is turned
-        assert potential.operator.stretch(x)[0, 0].min() > 0.1  # not at the integration points
-    assert 0 < potential.evaluate(0 * x).largest_step(x) <= 0.25 / 0.26

@@ -38,8 +38,6 @@ from .kinematics import (
     von_mises,
 )
 
-SHORTEST = 2.0**-40  # a step below which nothing moves
-
 
 class ElasticOperator(Operator):
     """Elasticity on one body: shape function products and entry places, computed once."""
@@ -106,17 +104,16 @@ class ElasticPotential(Potential):
         """Return energy and derivatives at x, or None where J* <= 0 anywhere, between the points too."""
         H = self.operator.stretch(x)
         J = np.asarray(self.metric.delta * determinant(H))
-        nodes = self.operator.moved(x)
-        if not J.min() > 0 or len(turned_over(nodes)):  # the first also catches NaN
+        if not J.min() > 0 or len(turned_over(self.operator.moved(x))):  # the first also catches NaN
             return None
-        return ElasticEvaluation(self, nodes, H, J)
+        return ElasticEvaluation(self, H, J)
 
 
 class ElasticEvaluation(Evaluation):
     """Elastic energy at one configuration, with gradient and Hessian on demand."""
 
-    def __init__(self, potential: ElasticPotential, nodes: Array, H: Array, J: Array) -> None:
-        self.potential, self.nodes, self.H, self.J = potential, nodes, H, J
+    def __init__(self, potential: ElasticPotential, H: Array, J: Array) -> None:
+        self.potential, self.H, self.J = potential, H, J
         m = potential.metric
         self.HB = times_symmetric(H, m.B)
         self.I1 = first_invariant(H, self.HB, m.out2)
@@ -158,17 +155,9 @@ class ElasticEvaluation(Evaluation):
         return Hessian(operator.entries, values)
 
     def largest_step(self, direction: Array) -> float:
-        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % at any point.
-
-        It is halved until det ∂x/∂ξ is positive between the points, too.
-        """
-        operator = self.potential.operator
-        now, linear, square = determinant_along(self.H, operator.gradient(direction))
-        step = first_loss(0.9 * now, linear, square)
-        way = np.take(direction.reshape(-1, 2).T, operator.body.triangles, axis=1)
-        while step > SHORTEST and len(turned_over(self.nodes + step * way)):
-            step *= 0.5
-        return step
+        """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
+        now, linear, square = determinant_along(self.H, self.potential.operator.gradient(direction))
+        return first_loss(0.9 * now, linear, square)
 
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return what is wanted of stress (xx, yy, xy, zz; Pa), J* and moduli (μ, κ; Pa), at the points."""
