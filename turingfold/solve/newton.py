@@ -283,7 +283,6 @@ class Minimiser:
         begin = self.effort.add("step bounds", begin)
         merit, fall = sum(ray.start for ray in rays), decrease + sum(ray.excess for ray in rays)
         noise = at.round_off  # near the minimum, it hides the decrease
-        there = None
         while step > SHORTEST:
             self._heed_deadline(residual)
             there = at.at(rays, direction, step)
@@ -294,9 +293,6 @@ class Minimiser:
                 self.effort.add("line searches", begin)
                 return end
             step *= 0.5
-        if there is None:
-            words = "every step along the Newton direction turns triangles over (det F <= 0)"
-            raise NotConvergedError(words, residual=residual)
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
 
 
