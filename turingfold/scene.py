@@ -51,7 +51,7 @@ class Scene:
         if not self.terms:
             raise ValueError("terms=() is empty; a scene needs at least one term, such as Elastic(...).")
         _check_distinct(self.terms)
-        _check_scheme(self.terms, self.stepping)
+        _check_scheme(self.terms, self.processes, self.stepping)
         by_terms = {name for term in self.terms for name in term.writes}
         written = {*GIVEN, *by_terms}
         for process in self.processes:
@@ -111,7 +111,17 @@ def _check_distinct(terms: tuple[Term, ...]) -> None:
             )
 
 
-def _check_scheme(terms: tuple[Term, ...], stepping: Stepping) -> None:
+def _check_scheme(
+    terms: tuple[Term, ...], processes: tuple[Process, ...], stepping: Stepping
+) -> None:
+    resting = {name for term in terms if not term.resists_motion for name in term.writes}
+    for process in processes:
+        read = sorted(resting & set(_read_by(process)))
+        if stepping.scheme == MIDPOINT and read:
+            raise ValueError(
+                f"{type(process).__name__} reads {', '.join(read)}, which terms know where forces balance; by "
+                f"Stepping(scheme={MIDPOINT!r}) that is not the end of a step. Leave the scheme out."
+            )
     if stepping.scheme == MIDPOINT and not any(term.resists_motion for term in terms):
         raise ValueError(
             f"Stepping(scheme={MIDPOINT!r}): forces would balance in the middle of each step, but no term "

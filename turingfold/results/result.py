@@ -48,7 +48,8 @@ class Result:
     history: a row per accepted step, by column name; NaN where something does not exist.
     status: "converged": the end of the scene was reached; "stopped": no further step was possible;
     "interrupted": by Ctrl-C or a kill; "running": still, in another process; "invalid": the end was reached,
-    but with triangles turned over or the pial surface crossing itself.  message: what to know about it.
+    but with triangles turned over (crossings of the pial surface are counted, see `summary`).  message: what
+    to know about it.
     seconds, seconds_by_part: time spent.
     Raises ValueError for another status.
     """

@@ -74,8 +74,8 @@ def fit(
 ) -> Fit:
     """Return the parameters with which the scene's pial surface comes closest to target outlines.
 
-    targets: by age (the scene's time), points (2, n) in m, in order; open ones need not reach as far as the
-    pial surface.  to: parameters, such as "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
+    targets: by age (the scene's time), points (2, n) in m, in order; open ones reach as far as the pial
+    surface.  to: parameters, such as "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
     bounds: least and largest value of all.  smoothness: weight of the second differences of values that are
     neighbours in one map, against distances in units of the cortical thickness.  noise: standard deviation of
     the targets, m, for the standard errors; else they follow from the misfit.  out: a folder in which
@@ -205,7 +205,10 @@ class _Inverse:
             minimiser = Minimiser(
                 problem.n_dofs, problem.held, stepping.tolerance, stepping.iterations, None, stepping.solver
             )
-            found[age] = minimiser.minimise(problem.potentials(state, TimeStep(age)), old, ahead).x
+            equilibrium = minimiser.minimise(problem.potentials(state, TimeStep(age)), old, ahead)
+            if not equilibrium.stable:
+                raise NotConvergedError("the fit came to a saddle", time=age)
+            found[age] = equilibrium.x
             self.solves += 1
         return found
 
@@ -213,7 +216,9 @@ class _Inverse:
         found, position = {}, begin(scene)
         for age in self.targets:
             position = replace(position, dt=scene.stepping.first * scene.until)
-            for _, reached in march(replace(scene, until=age), position):
+            stops = tuple(stop for stop in scene.stepping.stops if stop <= age)
+            part = replace(scene, until=age, stepping=replace(scene.stepping, stops=stops))
+            for _, reached in march(part, position):
                 position = reached
                 self.solves += 1
             found[age] = by_node(position.state["displacement"])
@@ -275,6 +280,8 @@ def _checked(scene: Scene, targets: Mapping[float, Any]) -> dict[float, Array]:
     for age, points in sorted(targets.items()):
         positive("age", age, at_most=scene.until, remedy="ages are times of the scene")
         curve = finite_array(f"targets[{age:g}]", points, (2, None))
+        if pial_closed(body) and np.array_equal(curve[:, 0], curve[:, -1]):
+            curve = curve[:, :-1]
         extent = float(np.ptp(curve, axis=1).max())
         ratio = extent / (2 * body.length)
         if not 1 / FAR < ratio < FAR:

@@ -142,11 +142,11 @@ def perimeter(points: Array, closed: bool) -> float:
 
 def _measure(result: Result, item: str | Measure) -> tuple[str, Measure | None]:
     """Return a measure's name and its function of the pial points; None for the energy."""
-    closed = pial_closed(result.scene.body)
+    closed, thickness = pial_closed(result.scene.body), result.scene.body.thickness
     known: dict[str, Measure | None] = {
         "gyrification_index": lambda points: gyrification_index(points, closed=closed),
         "perimeter": lambda points: perimeter(points, closed),
-        "sulcal_depth": lambda points: float(sulcal_depth(points, closed=closed)),
+        "sulcal_depth": lambda points: float(sulcal_depth(points, closed=closed, thickness=thickness)),
         ENERGY: None,
     }
     if callable(item):

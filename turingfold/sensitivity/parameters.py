@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..parts import Process, TimeStep
-from ..scene import Scene
+from ..scene import Scene, stress_scale
 from ..solve.problem import Problem
 from ..state import State
 from ..studies.sweep import value_of, with_value
@@ -114,6 +114,9 @@ def _difference(
 def _forces(scene: Scene, changed: Scene, state: State, x: Array, step: TimeStep) -> Array:
     """Return the forces and the energy of the parts that a change reaches, (2 n_nodes + 1,)."""
     fields = _fields(scene, changed, state)
+    scale = stress_scale(changed.terms)
+    if scale != stress_scale(scene.terms):  # the unit of stress is that of the stiffest layer
+        fields["stress_scale"] = np.array(scale)
     now = state.updated(**fields)
     total = np.zeros(len(x) + 1)
     for old, new in zip(scene.terms, changed.terms, strict=True):

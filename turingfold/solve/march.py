@@ -109,13 +109,18 @@ def march(
         except SolveError as error:
             failures += 1
             if not minimiser.out_of_time and dt / 2 < stepping.smallest * until:
+                if failures <= PATIENCE:  # too few halvings: the body may still snap within this step
+                    failures = PATIENCE + 1
+                    minimiser.forget()
+                    continue
                 raise _stopped(progress.state, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
         failures = 0
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
-        if progress.state.time + dt in stepping.stops:  # a step cut short there says little about the next
+        if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
+            # a step that was cut short there says little about the next
             onward = max(onward, progress.dt)
         progress = Progress(step.state, onward, dt, progress.equilibria[-REMEMBERED:], minimiser.memory)
         yield step, progress
@@ -151,7 +156,8 @@ def _attempt(
     if snaps:
         from .snap import Creep
 
-        found = Creep.of(problem.scene).to_minimum(minimiser, potentials, x)
+        creep = problem.kept("creep", Creep.of)
+        found = creep.to_minimum(minimiser, potentials, x)
     else:
         found = minimiser.minimise(potentials, x, _predicted(progress, dt))
     at = found.at if step.balance == 1 else _at_end(problem, state, step, old, found.at)

@@ -6,10 +6,11 @@ are the gradient of their sum; forces small against those that balance in it mak
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,6 +33,8 @@ from ..parts import (
 from ..scene import Scene, stress_scale
 from ..state import State
 from .line_search import Straight
+
+Kept = TypeVar("Kept")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +126,14 @@ class Problem:
             for operator in self.operators:
                 operator.check_balance()
         self.n_dofs = body.nodes.size
+        self._kept: dict[str, Any] = {}
+
+    def kept(self, name: str, make: Callable[[Scene], Kept]) -> Kept:
+        """Return what `make` makes of the scene, made once."""
+        if name not in self._kept:
+            self._kept[name] = make(self.scene)
+        found: Kept = self._kept[name]
+        return found
 
     def start(self) -> State:
         """Return the state that the scene starts from."""

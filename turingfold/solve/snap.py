@@ -55,7 +55,7 @@ class Creep:
 
         Raises NotConvergedError where the flow finds no way down, or takes too many steps.
         """
-        share, soft, pushes, failed = FIRST, x, 0, None
+        share, soft, pushes, failed = FIRST, np.zeros_like(x), 0, None
         for _ in range(STEPS):
             viscous, before = share >= LEAST, minimiser.effort.iterations
             try:
@@ -69,8 +69,10 @@ class Creep:
             if viscous and found.stable:
                 x, soft = found.x, minimiser.softest_mode(self.mass.whole, POWERS)
                 share *= FALLS_FAST if spent <= QUICK else FALLS if spent <= EASY else 1.0
-            elif viscous and pushes < PUSHES:  # too little viscosity for the softest mode
-                x, pushes, share = self._pushed(potentials, found, soft), pushes + 1, share * RISES**2
+            elif viscous:  # too little viscosity for the softest mode
+                x, share = found.x, share * RISES**2
+                if pushes < PUSHES:
+                    x, pushes = self._pushed(potentials, found, soft), pushes + 1
             elif found.stable or pushes == PUSHES:
                 return found
             else:
@@ -95,9 +97,9 @@ class Creep:
 
     def _pushed(self, potentials: tuple[Potential, ...], found: Equilibrium, mode: Array) -> Array:
         """Return the lower of the two places beside a saddle along a mode, (2 n_nodes,)."""
+        if not mode.any():  # no tangent was kept, as of condensed elements
+            mode = np.random.default_rng(0).standard_normal(len(mode))
         size = float(np.hypot(*mode.reshape(-1, 2).T).max())
-        if not size > 0:
-            return found.x
         push = PUSH * self.thickness / size * mode
         push = push * found.at.largest_step(push)
         sides = [found.x + push, found.x - push]
