@@ -119,8 +119,8 @@ def _check_scheme(
         read = sorted(resting & set(_read_by(process)))
         if stepping.scheme == MIDPOINT and read:
             raise ValueError(
-                f"{type(process).__name__} reads {', '.join(read)}, which terms know where forces balance; by "
-                f"Stepping(scheme={MIDPOINT!r}) that is not the end of a step. Leave the scheme out."
+                f"{type(process).__name__} reads {', '.join(read)}, known where forces balance; that is not "
+                f"the end of a step by Stepping(scheme={MIDPOINT!r}). Leave the scheme out."
             )
     if stepping.scheme == MIDPOINT and not any(term.resists_motion for term in terms):
         raise ValueError(
