@@ -59,7 +59,7 @@ class Creep:
         for _ in range(STEPS):
             viscous, before = share >= LEAST, minimiser.effort.iterations
             try:
-                found = self._step(minimiser, potentials, x, share * self.scale if viscous else 0.0)
+                found = self._step(minimiser, potentials, x, share if viscous else 0.0)
             except SolveError as error:
                 failed, share = error, max(share, LEAST) * RISES
                 if minimiser.out_of_time or share > STIFFEST:
@@ -82,14 +82,15 @@ class Creep:
         raise NotConvergedError(f"no way down to a minimum is found{words}", residual=residual)
 
     def _step(
-        self, minimiser: Minimiser, potentials: tuple[Potential, ...], x: Array, viscosity: float
+        self, minimiser: Minimiser, potentials: tuple[Potential, ...], x: Array, share: float
     ) -> Equilibrium:
-        """Return the end of one step of the flow from x."""
-        more = (Quadratic(self.mass, x, viscosity),) if viscosity else ()
+        """Return the end of one step of the flow from x, with a share of the first viscosity."""
+        more = (Quadratic(self.mass, x, share * self.scale),) if share else ()
         minimiser.forget()
         allowed = minimiser.iterations
-        minimiser.iterations = min(allowed, PATIENCE) if viscosity else allowed
-        minimiser.strict = viscosity > 0
+        # walls may be softer than any viscosity stiffens: where even the first does not, they are made convex
+        minimiser.strict = 0 < share <= FIRST
+        minimiser.iterations = min(allowed, PATIENCE) if minimiser.strict else allowed
         try:
             return minimiser.minimise((*potentials, *more), x)
         finally:
