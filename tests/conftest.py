@@ -20,7 +20,7 @@ def loud():
         sys.modules["matplotlib.pyplot"].close("all")
 
 
-# slow tests that touch walls and have not been run to their end since contact acts on curves: CI runs them and
+# slow tests that touch walls and were not run to their end since contact acts on curves: CI runs them and
 # says what came of each (XPASS, XFAIL), but does not fail by them; the list is to be emptied
 NOT_RUN_SINCE = (
     "test_ferret", "test_ferret_seeds", "test_extreme", "test_seeded", "test_certificates", "test_contact",
