@@ -31,9 +31,10 @@ def scenes(
     base: p.Base = "clamped", seed: p.Seed = 0, density: p.Density = 1100.0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
-    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.5,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    half_waves = half_waves or human.half_waves(body)
     solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
 
     def grown_in(duration, *inertia):

@@ -19,12 +19,13 @@ def scenes(
     elements: p.Elements = 6, base: p.Base = "clamped", layers: p.Layers = "sharp",
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 1.9, core: p.Core = 1.0, radial_core: p.RadialCore = 1.0,
-    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 20, strength: p.Strength = 0.5,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.5,
     tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True, seed: p.Seed = 0,
 ):  # fmt: skip
     body = semiellipse(
         width=width, height=height, thickness=thickness, elements=elements, base=base, layers=layers
     )
+    half_waves = half_waves or human.half_waves(body, width=2.22)
     solid = human.tissue(
         young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers
     )

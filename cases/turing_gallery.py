@@ -26,9 +26,10 @@ KINETICS = {
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
-    half_waves: p.HalfWaves = 24, seed: p.Seed = 0,
+    half_waves: p.HalfWaves = None, seed: p.Seed = 0,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements)
+    half_waves = half_waves or human.half_waves(body)
     at_rest, at_once = human.tissue(two_layers=False), Stepping(first=1.0, largest=1.0)
     found = {}
     for title, name in list(KINETICS.items())[: 3 if quick else None]:

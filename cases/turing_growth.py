@@ -39,10 +39,11 @@ def scenes(
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 3,
     base: p.Base = "clamped", seed: p.Seed = 0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
-    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = 24, strength: p.Strength = 0.5,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.5,
     pace: p.Pace = 1000.0,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
+    half_waves = half_waves or human.half_waves(body)
     solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
     _, pull = human.pattern_and_pull(strength=strength)
     found = {}

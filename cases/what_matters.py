@@ -25,10 +25,11 @@ STORED = "per_cent", "numbers", "deviations"
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
-    poisson: p.Poisson = 0.4583, cortex: p.Cortex = 1.9, half_waves: p.HalfWaves = 24,
+    poisson: p.Poisson = 0.4583, cortex: p.Cortex = 1.9, half_waves: p.HalfWaves = None,
     strength: p.Strength = 0.5,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements)
+    half_waves = half_waves or human.half_waves(body)
     morphogens, pull = human.pattern_and_pull(half_waves=half_waves, strength=strength)
     processes = (*morphogens, TangentialGrowth(cortex=cortex))
     terms = (human.tissue(poisson=poisson), *pull, SelfContact())

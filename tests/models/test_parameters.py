@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import pytest
 
-from turingfold import Parameter, conditions, kinetics_named
+from turingfold import Parameter, conditions, human, kinetics_named, semicircle, semiellipse
 from turingfold import parameters as p
 from turingfold.models.declared import declared, find, values_of
 from turingfold.turing.kinetics.named import KINETICS
@@ -120,6 +120,29 @@ def test_what_cannot_be_a_parameter_is_refused():
 def test_kinetics_have_names(name):
     assert type(kinetics_named(name)).__name__ == name
     assert kinetics_named(name) == KINETICS[name]()
+
+
+@pytest.mark.parametrize(
+    ("radius", "thickness", "count"),
+    # π R/T over the figure's π 40.4/2.5/24 = 2.115: 24, 12, 17.8 and 8.9
+    [(0.0404, 2.5e-3, 24), (0.0404, 5e-3, 12), (0.03, 2.5e-3, 18), (0.03, 5e-3, 8)],
+)
+def test_half_waves_keep_their_width_in_thicknesses_of_the_cortex(radius, thickness, count):
+    for elements in (1, 2):
+        body = semicircle(radius=radius, thickness=thickness, elements=elements)
+        assert human.half_waves(body) == count
+    assert human.half_waves(semiellipse(width=0.0808, height=0.0299, thickness=2.5e-3, elements=1), 2.22) == 20
+
+
+def test_a_parameter_may_be_chosen_by_the_others():
+    def scenes(quick=False, *, half_waves: p.HalfWaves = None):
+        return {}
+
+    known = declared(scenes)["half_waves"]
+    assert (known.kind, known.shown(None), known.read("auto"), known.read("8")) == (int, "auto", None, 8)
+    assert known.checked(None) is None
+    with pytest.raises(ValueError, match="must be a whole number"):
+        KNOWN["half_waves"].read("auto")
 
 
 def test_kinetics_by_name_take_parameters():

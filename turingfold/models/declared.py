@@ -5,7 +5,8 @@
     @quick(elements=2)
     def scenes(quick=False, *, radius: Radius = 0.0404, elements: int = 6): ...
 
-Names and values come from the signature; unit, range, label and choices from the annotation.
+Names and values come from the signature; unit, range, label and choices from the annotation. With the
+default None ("auto" on the command line) the case chooses the value by its other parameters.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import wraps
+from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -26,6 +28,7 @@ Scenes = Callable[..., dict[str, Any]]
 
 SWITCHES = {"on": True, "off": False, "true": True, "false": False, "yes": True, "no": False}
 KINDS = {float: "a number", int: "a whole number", bool: "on or off", str: "a word"}
+CHOSEN = "auto"  # None on the command line: the case chooses the value by others
 QUICK = "quick_values"  # attribute of a decorated function
 
 
@@ -62,6 +65,8 @@ class Declared:
 
     def checked(self, value: Any) -> Any:
         """Return a value in the parameter's kind; raises ValueError where it is none, or out of range."""
+        if value is None and self.default is None:
+            return None
         if self.kind is bool:
             if not isinstance(value, bool):
                 raise self._of_another_kind(value)
@@ -82,6 +87,8 @@ class Declared:
     def read(self, text: str) -> Any:
         """Return the value that a text gives; raises ValueError for another kind, or out of range."""
         text = text.strip()
+        if text == CHOSEN and self.default is None:
+            return None
         if self.kind is bool:
             if text.lower() not in SWITCHES:
                 raise self._of_another_kind(text)
@@ -222,6 +229,8 @@ def evenly_spaced(name: str, text: str) -> list[float]:
 
 def as_text(value: Any) -> str:
     """Return a value as the command line reads it, numbers to six digits."""
+    if value is None:
+        return CHOSEN
     if isinstance(value, bool):
         return "on" if value else "off"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
@@ -233,6 +242,8 @@ def _annotated(hint: Any, default: Any) -> tuple[type, Parameter]:
     if get_origin(hint) is Annotated:
         hint, *more = get_args(hint)
         meaning = next((one for one in more if isinstance(one, Parameter)), meaning)
+    if get_origin(hint) is UnionType:  # `int | None`: None where the case chooses
+        hint = next(one for one in get_args(hint) if one is not NoneType)
     if get_origin(hint) is Literal:
         words = get_args(hint)
         return str, Parameter(label=meaning.label, choices=words)

@@ -6,11 +6,23 @@ ratio 0.4583.
 
 from __future__ import annotations
 
+from ..geometry.body import Body
 from ..terms.elastic.material import NeoHookean
 from ..terms.elastic.term import Elastic
 from ..terms.tension import AxonalTension
 from ..turing.kinetics.named import kinetics_named
 from ..turing.process import Turing
+
+HALF_WAVE = 2.115  # width of a half wave in thicknesses of the cortex: 24 of them in Figure 3, π 40.4/2.5/24
+
+
+def half_waves(body: Body, width: float = HALF_WAVE) -> int:
+    """Return the even number of half waves along the pial surface nearest to L/(width T), at least 2.
+
+    width: of a half wave, in thicknesses of the cortex.
+    """
+    along = body.pial_curves.length * (2 if body.mirror else 1)
+    return max(2, 2 * round(along / (2 * width * body.thickness)))
 
 
 def tissue(
