@@ -131,7 +131,8 @@ def test_half_waves_keep_their_width_in_thicknesses_of_the_cortex(radius, thickn
     for elements in (1, 2):
         body = semicircle(radius=radius, thickness=thickness, elements=elements)
         assert human.half_waves(body) == count
-    assert human.half_waves(semiellipse(width=0.0808, height=0.0299, thickness=2.5e-3, elements=1), 2.22) == 20
+    ellipse = semiellipse(width=0.0808, height=0.0299, thickness=2.5e-3, elements=1)
+    assert human.half_waves(ellipse, width=2.22) == 20  # Figure 2
 
 
 def test_a_parameter_may_be_chosen_by_the_others():

@@ -42,7 +42,7 @@ Traction = Annotated[float, Parameter("Pa", 0, 5e3, "traction of axons on the pi
 Patches = Annotated[int, Parameter("", 1, 200, "places where axons pull without a pattern")]
 Pattern = Annotated[bool, Parameter(label="a Turing pattern says where axons pull (IPH)")]
 Kinetics = Annotated[str, Parameter(label="kinetics of the morphogens", choices=tuple(KINETICS))]
-HalfWaves = Annotated[int | None, Parameter("", 1, 200, "half waves along the pial surface; auto: of the figure's width")]
+HalfWaves = Annotated[int | None, Parameter("", 1, 200, "half waves along the pial surface")]
 Density = Annotated[float, Parameter("kg/m³", 1, 2e4, "density")]
 Pace = Annotated[float, Parameter("", 1e-3, 1e6, "time of the kinetics in the time of growth")]
 Seed = Annotated[int, Parameter("", 0, 2**31, "seed of what is random")]
