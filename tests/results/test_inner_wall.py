@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from skfem import MeshTri1, MeshTri2
 from small import GRAY
 
@@ -132,3 +133,25 @@ def test_an_inner_wall_grows():
     moved = np.hypot(*np.asarray(result.pial())) - np.hypot(*np.asarray(rest))
     assert moved.max() < 0  # the cortex finds room in the hole only
     assert fold_count(result.pial(), closed=True) == 0
+
+
+def test_two_inner_walls_fold_as_each_alone():
+    """Two rings beside each other whose pial surfaces are their inner walls."""
+    one = ring("inner")
+    state = folded(one, height=0.001)
+    apart = np.array([[0.05], [0.0]])
+    straight = one.mesh.p.shape[1]
+    mesh = MeshTri2.from_mesh(
+        MeshTri1(np.hstack([one.mesh.p, one.mesh.p + apart]), np.hstack([one.mesh.t, one.mesh.t + straight]))
+    )
+
+    def both(radius):
+        return lambda x: np.abs(np.hypot(x[0] - 0.05 * (x[0] > 0.025), x[1]) - radius) < 1e-3 * radius
+
+    two = Body(mesh.with_boundaries({"pial": both(INNER), "base": both(OUTER)}), thickness=0.003)
+    _, place = cKDTree(one.nodes.T).query((two.nodes - apart * (two.nodes[0] > 0.025)).T)
+    moved = State(1.0, {"displacement": state["displacement"][:, place]})
+    alone, together = fold_numbers(one, state), fold_numbers(two, moved)
+    assert together["folds"] == 2 * alone["folds"] == 16
+    for name in ("sulcal_depth", "gyrification_index", "least_fold_depth", "self_intersections"):
+        assert together[name] == pytest.approx(alone[name], rel=1e-9)

@@ -6,6 +6,7 @@ import re
 import time
 import warnings
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,22 +14,26 @@ from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
 
 from turingfold import (
     CoarseMeshWarning,
+    Drag,
     Elastic,
     NotConvergedError,
     PathStoppedError,
     Result,
+    State,
     Stepping,
     StoppedError,
     half,
     semicircle,
     simulate,
 )
+from turingfold.cli.run import told
 from turingfold.extend import Evolution, Process
 
 KEYS = {
     "status", "message", "time", "area_growth", "core_growth", "centre_growth", "dofs", "triangles",
     "elements_through_cortex", "steps", "newton_iterations", "factorizations",
-    "seconds", "seconds_by_part", "growth", "energy", "residual", "min_jacobian", "min_gap",
+    "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",
+    "min_jacobian", "min_gap",
     "inverted_elements", "self_intersections", "gyrification_index",
     "closed_gyrification_index", "closing_radius", "folds", "sulcal_depth", "least_fold_depth",
     "fold_smoothing", "mirror_error", "registration", "registration_p", "converged",
@@ -272,3 +277,28 @@ def test_the_time_limit_counts_what_the_start_takes():
     hurried = Stepping(first=0.1, largest=0.1, seconds=0.25)
     with pytest.raises(StoppedError, match=r"at t = 0 of 1: the time limit of 0\.25 s is reached"):
         simulate(elastic_scene(StartsSlowly(after=1.0), stepping=hurried))
+
+
+def test_what_holds_a_body_is_not_counted_as_unknown():
+    """A free body keeps 3 unknowns only to hold it in place; where drag does that, none."""
+    body = semicircle(radius=RADIUS, thickness=THICKNESS, size=0.25, base="free")
+    for more, held in (((), 3), ((Drag(coefficient=1.0),), 0)):
+        scene = elastic_scene(body=body)
+        scene = replace(scene, terms=(*scene.terms, *more))
+        assert Result(scene, (State(0.0, {"displacement": 0 * body.nodes}),), ()).summary()["dofs"] == (
+            2 * body.nodes.shape[1] - held
+        )
+
+
+def test_states_that_are_no_minima_and_snaps_are_summed_up_and_told(grown):
+    rows = [dict(row) for row in grown.history]
+    for k, pivots, snapped in ((1, 3, 0.0), (2, 0, 1.0), (-1, 2, 1.0)):
+        rows[k] |= {"negative_pivots": pivots, "snapped": snapped}
+    result = replace(grown, history=tuple(rows))
+    summary = result.summary()
+    assert (summary["negative_pivots"], summary["saddles"], summary["snaps"]) == (2, 2, 2)
+    steps = len(rows)
+    said = f"2 of {steps} states no minimum, the last one too; 2 of {steps} reached by a snap"
+    assert f"equilibria: {said}" in told("case", {"one": result}, Path("out"))
+    assert next(told("case", {"one": result, "two": grown}, Path("out"))).endswith(said)
+    assert not any("equilibria" in line for line in told("case", {"one": grown}, Path("out")))

@@ -1,6 +1,7 @@
 """Fitting: hidden parameters are found again from outlines alone, with honest errors; what is refused."""
 
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -110,3 +111,20 @@ def test_maps_are_checked_and_joined_round_closed_curves():
     for bad in ((1.2,), (1.2, -1.0), (1.2, float("nan"))):
         with pytest.raises(ValueError, match="cortex"):
             GrowthMap(cortex=bad)
+
+
+def test_distances_of_many_points_are_exact_in_little_memory():
+    """Of 5000 points from a polygon of 5000 corners inside a circle; a table of all pairs takes 400 MB."""
+    n, rng = 5000, np.random.default_rng(0)
+    angle = 2 * np.pi * np.arange(n) / n
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    edge = rng.integers(n, size=n)  # off the middle of an edge, within its strip: that edge is the nearest
+    sagitta, off = np.cos(np.pi / n), rng.uniform(-0.5, 0.5, n)
+    normal = np.stack([np.cos(angle + np.pi / n), np.sin(angle + np.pi / n)])[:, edge]
+    tracemalloc.start()
+    distance, gradient = signed_distance((sagitta + off) * normal, circle, closed=True)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    np.testing.assert_allclose(distance, -off, atol=1e-13)
+    np.testing.assert_allclose(gradient, -normal, atol=1e-9)
+    assert peak < 20e6

@@ -1,6 +1,7 @@
 """Assembly of entries against scipy's assembly, and the two direct solvers against dense algebra."""
 import subprocess
 import sys
+import weakref
 
 import numpy as np
 import pytest
@@ -224,3 +225,20 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 """
     faults = int(subprocess.run([sys.executable, "-c", program], check=True, capture_output=True).stdout)
     assert faults < 1000  # of 4 kB each; 90 000 where freed memory goes back to the system
+
+
+def test_a_matrix_made_anew_takes_the_places_of_the_last_one_and_leaves_nothing_behind():
+    n = 10
+    lasting = entries(n, 30, 0, constant=True)
+    assembler = Assembler(n, np.zeros(0, dtype=np.int64))
+    patterns = []
+    for k in range(5):
+        anew = entries(n, 30, 1, constant=True)
+        anew = Hessian(anew.entries, (k + 1.0) * anew.values)
+        pattern, values = assembler.assemble([lasting, anew])
+        patterns.append(pattern)
+        np.testing.assert_allclose(full(pattern, values), dense(lasting, n) + dense(anew, n), atol=1e-13)
+        gone = weakref.ref(anew.entries)
+    del anew
+    assert gone() is None
+    assert all(pattern is patterns[0] for pattern in patterns)

@@ -25,6 +25,7 @@ from turingfold.parts import (
     TimeStep,
 )
 from turingfold.scene import Scene
+from turingfold.solve import march as march_module
 from turingfold.solve.march import begin, march
 from turingfold.solve.newton import Minimiser
 from turingfold.solve.problem import Problem
@@ -528,3 +529,21 @@ def test_a_process_is_given_the_last_equilibrium_whole(body, element):
         stress = at.finish(frozenset({"cauchy_stress"}))["cauchy_stress"]
         np.testing.assert_allclose(before["cauchy_stress"], stress, atol=1e-9 * np.abs(stress).max())
         assert np.abs(stress).max() > 1e-2
+
+
+def test_after_a_snap_steps_are_as_long_as_before_it(body, monkeypatch):
+    attempt, tried = march_module._attempt, []
+
+    def hindered(problem, minimiser, progress, dt, began, *, snaps):
+        tried.append((progress.state.time, dt, len(progress.past)))
+        if abs(progress.state.time - 0.4) < 1e-9 and not snaps:
+            raise NotConvergedError("no way on")
+        return attempt(problem, minimiser, progress, dt, began, snaps=snaps)
+
+    monkeypatch.setattr(march_module, "_attempt", hindered)
+    steps = run(scene(body, processes=(TangentialGrowth(cortex=1.1),), first=0.1, largest=0.1))
+    snapped = [bool(step.numbers["snapped"]) for step, _ in steps]
+    assert snapped.count(True) == 1
+    assert [dt for time, dt, _ in tried if abs(time - 0.4) < 1e-9] == pytest.approx([0.1, 0.05, 0.025, 0.0125])
+    after = tried[snapped.index(True) + 4]
+    assert after == (pytest.approx(0.4125), pytest.approx(0.1), 0)

@@ -1,5 +1,7 @@
 """Damping proportional to stiffness: exact decay of vibrations, energy, momentum, what it does not resist."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from checks import message_names
@@ -7,8 +9,10 @@ from scipy.linalg import eigh
 
 from turingfold.cli.main import main
 from turingfold.geometry.shapes import semicircle
-from turingfold.parts import TimeStep
+from turingfold.growth.laws import TangentialGrowth
+from turingfold.parts import Evolution, Process, TimeStep
 from turingfold.scene import Scene
+from turingfold.solve import newton
 from turingfold.solve.march import Progress, begin, march
 from turingfold.state import State
 from turingfold.stepping import Stepping
@@ -22,6 +26,27 @@ GRAY = NeoHookean(mu=1.0, kappa=5.0)
 STEP = TimeStep(0.1)
 SOLID = Elastic(gray=GRAY)
 SMALL = 1e-5  # amplitude of a vibration: it is linear to this share
+
+
+@dataclass(frozen=True)
+class Softening(Process):
+    """A stiffness that falls from 1 to 1/2, more at some points than at others."""
+
+    writes = ("stiffness",)
+
+    def on(self, body):
+        return SofteningOnBody(body.quadrature.points[1] > 0.5)
+
+
+@dataclass(frozen=True)
+class SofteningOnBody(Evolution):
+    upper: np.ndarray
+
+    def start(self, state, seed):
+        return self.advance(state, state, 0.0)
+
+    def advance(self, before, now, dt):
+        return {"stiffness": 1.0 - 0.5 * now.time * self.upper}
 
 
 def disc(base="free"):
@@ -251,3 +276,41 @@ def test_a_sweep_without_inertia_says_why_it_cannot_be(tmp_path, monkeypatch, ca
     told = " ".join(capsys.readouterr().err.split())
     assert "Stepping(scheme='midpoint')" in told
     assert "no term resists motion" in told
+
+
+@pytest.mark.parametrize("scheme", ["euler", "midpoint"])
+def test_the_energy_told_is_that_of_the_vibrating_mode(scheme):
+    """½ ω² a² of the amplitude a is stored; with motion and heat it is all there was, but for Euler's loss."""
+    omega, shape = mode(disc("clamped"), 0)
+    alpha, beta, dt = 0.2 * omega, 0.3 / omega, 0.3 / omega
+    terms = (
+        SOLID, Inertia(density=1.0), Drag(coefficient=alpha), StiffnessDamping(elastic=SOLID, time=beta),
+    )  # fmt: skip
+    start = SMALL * shape.reshape(-1, 2).T
+    found = marched(disc("clamped"), terms, scheme, dt, 12, displacement=start)
+    weights, all_there_was = mass(disc("clamped"), 1.0).whole @ shape, 0.5 * (omega * SMALL) ** 2
+    before, moved, heat = SMALL, 0.0, 0.0
+    for step in found:
+        numbers, now = step.numbers, float(weights @ step.x)
+        velocity = (now - before) / dt
+        assert numbers["energy"] == pytest.approx(0.5 * (omega * now) ** 2, abs=1e-4 * all_there_was)
+        assert numbers["drag_work"] == pytest.approx(dt * alpha * velocity**2, rel=1e-3)
+        assert numbers["damping_work"] == pytest.approx(dt * beta * (omega * velocity) ** 2, rel=1e-3)
+        heat += numbers["drag_work"] + numbers["damping_work"]
+        if scheme == "euler":  # what the rule itself loses
+            heat += 0.5 * (omega * (now - before)) ** 2 + 0.5 * (velocity - moved) ** 2
+        total = numbers["energy"] + numbers["kinetic_energy"] + heat
+        assert total == pytest.approx(all_there_was, rel=1e-4)
+        before, moved = now, velocity
+
+
+def test_a_stiffness_that_is_written_anew_needs_no_new_places(monkeypatch):
+    """Symbolic factorisations of a scene whose stiffness softens in time: one, as without damping."""
+    made, original = [], newton.solver_for
+    monkeypatch.setattr(newton, "solver_for", lambda *given: made.append(given) or original(*given))
+    body = disc("clamped")
+    terms = (SOLID, StiffnessDamping(elastic=SOLID, time=0.2))
+    scene = Scene(body=body, terms=terms, processes=(Softening(), TangentialGrowth(cortex=1.2)))
+    steps = [step for step, _ in march(scene, begin(scene))]
+    assert len(steps) == 20
+    assert len(made) == 1

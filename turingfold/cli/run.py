@@ -186,7 +186,7 @@ def progress(ends: Mapping[str, float]) -> Iterator[Report]:
 
 
 def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
-    """Yield what a person wants to know: five lines for one scene, a line each for several.
+    """Yield what a person wants to know: five or six lines for one scene, a line each for several.
 
     Lengths are in mm, or in cortical thicknesses for bodies in units of their own (`results.length_unit`).
     """
@@ -198,6 +198,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
                 f"{name:<{width}}  growth {s['growth']:.2f}  {sulci(s['folds']):>9}  gyrification "
                 f"{s['gyrification_index']:.2f}  {_gyri(s['registration'])}  {s['steps']} steps, "
                 f"{s['seconds']:.0f} s{'' if s['converged'] else '  ' + s['status'].upper()}"
+                f"{'  ' + words if (words := _stability(s)) else ''}"
             )
         yield f"results: {base}"
         return
@@ -221,13 +222,26 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
     jacobian = "" if s["min_jacobian"] is None else f"; smallest J* {s['min_jacobian']:.2f}"
     if s["inverted_elements"]:
-        jacobian += f"; {s['inverted_elements']} element(s) turned over at a corner: use smaller ones"
+        jacobian += f"; {s['inverted_elements']} element(s) turned over somewhere: use smaller ones"
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
+    if words := _stability(s):
+        yield f"equilibria: {words}"
     chance = ""
     if s["registration"]:
         chance = f"; {100 * s['registration_p']:.1f} % of the pattern's phases register as well or better"
     yield f"pattern: {_gyri(s['registration'])}{chance}"
     yield f"results: {base / folder_name(name)}"
+
+
+def _stability(s: Mapping[str, Any]) -> str:
+    """Return what is not smooth or not stable on the way to the end, or nothing."""
+    words = []
+    if s["saddles"]:
+        last = ", the last one too" if s["negative_pivots"] else ""
+        words.append(f"{s['saddles']} of {s['steps']} states no minimum{last}")
+    if s["snaps"]:
+        words.append(f"{s['snaps']} of {s['steps']} reached by a snap")
+    return "; ".join(words)
 
 
 def _gyri(registration: float | None) -> str:

@@ -25,7 +25,7 @@ TABLE = "sweep.csv"
 NUMBERS = (
     "growth", "folds", "least_fold_depth", "gyrification_index", "closed_gyrification_index", "sulcal_depth",
     "registration", "registration_p", "energy", "min_jacobian",
-    "self_intersections", "steps", "newton_iterations", "seconds",
+    "self_intersections", "saddles", "snaps", "steps", "newton_iterations", "seconds",
 )  # fmt: skip
 SIDE_BY_SIDE = 4  # pictures in a row
 PAGE = 48  # pictures in a figure

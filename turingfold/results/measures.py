@@ -86,18 +86,16 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
 def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
     """Return the numbers of `fold_numbers` for a pial surface in several parts.
 
-    Folds are those of the outer surfaces of all pieces of tissue, their depth the mean over all sulci. The
-    gyrification index is the length of all parts, with closed-off sulci, over that of the pieces' hulls.
+    Folds are those of the `_surfaces` of all pieces of tissue, their depth the mean over all sulci. The
+    gyrification index is the length of all parts, with closed-off sulci, over that of the surfaces' hulls.
     """
     import shapely
 
     from ..morphometry.folds import find_folds
-    from ..morphometry.polyline import enclosed_area
     from ..morphometry.walls import self_intersections
 
     parts = _parts(body, state["displacement"])
-    outer = [pial for pial, closed in parts if not closed or enclosed_area(pial) > 0]
-    folds = [find_folds(pial, thickness=body.thickness) for pial in outer]
+    folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in _surfaces(parts)]
     lines = [shapely.LineString(np.hstack((pial, pial[:, : int(closed)])).T) for pial, closed in parts]
     crossings = sum(self_intersections(pial, closed=closed) for pial, closed in parts) + sum(
         len(shapely.get_coordinates(one.intersection(other)))
@@ -126,9 +124,20 @@ def _parts(body: Body, displacement: Array) -> list[tuple[Array, bool]]:
     return [(moved[:, path.nodes], path.closed) for path in body.pial_paths]
 
 
+def _surfaces(parts: list[tuple[Array, bool]]) -> list[tuple[Array, bool]]:
+    """Return the outer ones of parts of a pial surface; where all are inner walls, as of ventricles, all.
+
+    An inner wall beside outer surfaces is a sulcus whose mouth has closed.
+    """
+    from ..morphometry.polyline import InnerWall, enclosed_area
+
+    outer = [(pial, closed) for pial, closed in parts if not closed or enclosed_area(pial) > 0]
+    return outer or [(pial.view(InnerWall), closed) for pial, closed in parts]
+
+
 def gyrification(body: Body, displacement: Array) -> float:
     """Return the gyrification index of the deformed pial surface, of several parts that of all together."""
-    from ..morphometry.polyline import as_polyline, enclosed_area
+    from ..morphometry.polyline import as_polyline
     from ..morphometry.shape import gyrification_index
 
     if len(body.pial_paths) == 1:
@@ -137,9 +146,8 @@ def gyrification(body: Body, displacement: Array) -> float:
     parts = _parts(body, displacement)
     lengths = [as_polyline(pial, closed).length for pial, closed in parts]
     hulls = [
-        length / gyrification_index(pial, closed=closed)
-        for length, (pial, closed) in zip(lengths, parts, strict=True)
-        if not closed or enclosed_area(pial) > 0
+        as_polyline(pial, closed).length / gyrification_index(pial, closed=closed)
+        for pial, closed in _surfaces(parts)
     ]
     return sum(lengths) / sum(hulls)
 

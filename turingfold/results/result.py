@@ -48,8 +48,8 @@ class Result:
     history: a row per accepted step, by column name; NaN where something does not exist.
     status: "converged": the end of the scene was reached; "stopped": no further step was possible;
     "interrupted": by Ctrl-C or a kill; "running": still, in another process; "invalid": the end was reached,
-    but with triangles turned over (crossings of the pial surface are counted, see `summary`).  message: what
-    to know about it.
+    but through at least one state that is none of a body: one with `inverted_elements` in the history.
+    message: what to know about it.
     seconds, seconds_by_part: time spent.
     Raises ValueError for another status.
     """
@@ -185,9 +185,19 @@ class Result:
         """The scene on its body: costly to make, the same at every step."""
         return Problem(self.scene)
 
+    @property
+    def _dofs(self) -> int:
+        """The number of unknowns; inertia or drag may hold a body that has no support."""
+        body = self.scene.body
+        held = body.fixed if len(body.fixed) == len(body.supported) else self._problem.held
+        return body.nodes.size - len(held)
+
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
+        energy: that stored at the last state, of elasticity, loads and walls; J per m of depth.
+        negative_pivots: directions in which the last state's energy falls; 0 at a minimum.  saddles: states
+        of the whole run that are no minima.  snaps: steps at whose end the body lies far from their start.
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
         area_growth, core_growth, centre_growth, inverted_elements, sulcal_depth, mirror_error: `measures`.
         seconds_by_part: s.
@@ -198,7 +208,7 @@ class Result:
             "status": self.status,
             "message": self.message,
             "time": self.last.time,
-            "dofs": body.nodes.size - len(body.fixed),
+            "dofs": self._dofs,
             "triangles": body.mesh.nelements,
             "elements_through_cortex": round(body.elements_through_cortex, 2),
             "steps": len(rows),
@@ -209,6 +219,9 @@ class Result:
             "growth": largest_growth(self.last),
             "energy": _number(last.get("energy", NAN)),
             "residual": _number(last.get("residual", NAN)),
+            "negative_pivots": int(last.get("negative_pivots", 0)),
+            "saddles": sum(row["negative_pivots"] > 0 for row in rows),
+            "snaps": sum(row.get("snapped", 0.0) > 0 for row in rows),
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
             **area_numbers(body, self.last),

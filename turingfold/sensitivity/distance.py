@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from scipy.interpolate import CubicSpline
 
 from ..arrays import Array
@@ -39,16 +40,14 @@ def signed_distance(points: Array, target: Array, *, closed: bool) -> tuple[Arra
     """
     start = target if closed else target[:, :-1]
     end = np.roll(target, -1, axis=1) if closed else target[:, 1:]
-    way = end - start
+    edges = shapely.STRtree(shapely.linestrings(np.stack([start.T, end.T], axis=1)))
+    nearest = edges.nearest(shapely.points(points.T))
+    start, way = start[:, nearest], (end - start)[:, nearest]
     length2 = np.maximum((way**2).sum(0), np.finfo(float).tiny)
-    gap = points[:, :, None] - start[:, None, :]  # (2, n, m)
-    share = np.clip((gap * way[:, None, :]).sum(0) / length2, 0.0, 1.0)
-    apart = gap - share * way[:, None, :]
-    nearest = np.argmin((apart**2).sum(0), axis=1)
-    rows = np.arange(points.shape[1])
-    off, along = apart[:, rows, nearest], way[:, nearest] / np.sqrt(length2[nearest])
-    normal = np.stack([-along[1], along[0]])
+    gap = points - start
+    off = gap - np.clip((gap * way).sum(0) / length2, 0.0, 1.0) * way
+    normal = np.stack([-way[1], way[0]]) / np.sqrt(length2)
     size = np.hypot(*off)
     side = np.where((off * normal).sum(0) < 0, -1.0, 1.0)
-    unit = np.where(size > 1e-12 * np.sqrt(length2[nearest]), side * off / np.maximum(size, 1e-300), normal)
+    unit = np.where(size > 1e-12 * np.sqrt(length2), side * off / np.maximum(size, 1e-300), normal)
     return side * size, unit

@@ -15,7 +15,7 @@ from ..parts import TimeStep
 from ..scene import Scene
 from ..state import State
 from ..stepping import Stepping
-from .newton import Equilibrium, Memory, Minimiser
+from .newton import Memory, Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 from .problem import Configuration, Problem, configuration
 
@@ -99,11 +99,13 @@ def march(
         minimiser.remember(problem.potentials(progress.state, last), progress.memory.point)
     minimiser.deadline = problem.deadline
     minimiser.effort.add("setting up", started)
-    failures = 0  # of the present step
+    failures, wanted = 0, progress.dt  # of the present step: how often it failed, and its length before that
     while progress.state.time < until * (1 - 1e-12):
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
         dt = _length(progress, stepping, until)
+        if not failures:
+            wanted = progress.dt
         try:
             step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=failures >= PATIENCE)
         except SolveError as error:
@@ -117,12 +119,14 @@ def march(
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
-        failures = 0
+        failures, past = 0, progress.equilibria[-REMEMBERED:]
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
+        if step.numbers["snapped"]:  # the short steps that led here, and the past, tell nothing of what follows
+            onward, past = wanted, ()
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next
             onward = max(onward, progress.dt)
-        progress = Progress(step.state, onward, dt, progress.equilibria[-REMEMBERED:], minimiser.memory)
+        progress = Progress(step.state, onward, dt, past, minimiser.memory)
         yield step, progress
 
 
@@ -163,10 +167,15 @@ def _attempt(
     at = found.at if step.balance == 1 else _at_end(problem, state, step, old, found.at)
     if at is not found.at:
         minimiser.forget()
+    energy = problem.potential_energy(state, step, at)
     state = state.updated(displacement=at.x.reshape(-1, 2).T.copy())
     state = problem.finished(state, found.at)
     numbers = {
-        **_numbers(found, state.time, dt),
+        "time": state.time,
+        "step": dt,
+        "energy": energy,
+        "residual": found.residual,
+        "negative_pivots": found.negative_pivots,
         "snapped": float(snaps),
         "newton_iterations": effort.iterations - iterations,
         "factorizations": effort.factorizations - factorizations,
@@ -194,16 +203,6 @@ def _predicted(progress: Progress, dt: float) -> Array | None:
     if not progress.past:
         return None
     return by_node(extrapolated(progress.equilibria, progress.state.time + dt))
-
-
-def _numbers(found: Equilibrium, time: float, dt: float) -> dict[str, float]:
-    return {
-        "time": time,
-        "step": dt,
-        "energy": found.energy,
-        "residual": found.residual,
-        "negative_pivots": found.negative_pivots,
-    }
 
 
 def _stopped(state: State, until: float, cause: SolveError) -> NotConvergedError:

@@ -27,6 +27,7 @@ from ..parts import (
     Potential,
     Process,
     Ray,
+    Term,
     TimeStep,
     declared,
 )  # fmt: skip
@@ -143,10 +144,13 @@ class Problem:
             state = state.updated(**declared(process, evolution.start(state, self.scene.seed), "start"))
         _check_finite(state)
         wanted = self.scene.wanted
-        if not any(name in wanted for term in self.scene.terms for name in term.writes):
+        potentials = self.potentials(
+            state, TimeStep(self.scene.stepping.first * self.scene.until),
+            lambda term: not wanted.isdisjoint(term.writes),
+        )  # fmt: skip
+        if not potentials:
             return state
-        step = TimeStep(self.scene.stepping.first * self.scene.until)
-        at = configuration(self.potentials(state, step), by_node(state["displacement"]))
+        at = configuration(potentials, by_node(state["displacement"]))
         if at is None:
             raise InadmissibleStateError("the energy at the scene's start is infinite", time=0.0)
         return self.finished(state, at)
@@ -167,10 +171,26 @@ class Problem:
         _check_finite(state)
         return state
 
-    def potentials(self, state: State, step: TimeStep) -> tuple[Potential, ...]:
-        """Return the potentials that act in a step; `state` is that in which forces balance."""
-        acting = (operator.during(state, step) for operator in self.operators)
+    def potentials(
+        self, state: State, step: TimeStep, among: Callable[[Term], bool] = lambda term: True
+    ) -> tuple[Potential, ...]:
+        """Return the potentials that act in a step; `state` is that in which forces balance.
+
+        among: which terms are asked, all unless it is given.
+        """
+        asked = zip(self.scene.terms, self.operators, strict=True)
+        acting = (operator.during(state, step) for term, operator in asked if among(term))
         return tuple(potential for potential in acting if potential is not None)
+
+    def potential_energy(self, state: State, step: TimeStep, at: Configuration) -> float:
+        """Return the energy that is stored in a configuration: none of terms that resist motion.
+
+        Their incremental potentials depend on the length of the step.
+        """
+        if not any(term.resists_motion for term in self.scene.terms):
+            return at.energy
+        stored = configuration(self.potentials(state, step, lambda term: not term.resists_motion), at.x)
+        return float("nan") if stored is None else stored.energy
 
     def finished(self, state: State, at: Configuration) -> State:
         """Return the state with those fields of the terms that some part reads."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -79,7 +80,8 @@ class Assembler:
         free[fixed] = False
         self.n_dofs, self.free = n_dofs, np.flatnonzero(free)
         self._number = np.where(free, np.cumsum(free) - 1, -1)
-        self._constant: dict[Entries, _Sorted] = {}
+        # of entries that are in use: those of a matrix made anew at each step come and go
+        self._constant: WeakKeyDictionary[Entries, _Sorted] = WeakKeyDictionary()
         self._sparsity: Sparsity | None = None
         self._restored = changing
         self.changing = np.zeros(0, dtype=np.int64)
@@ -112,9 +114,13 @@ class Assembler:
             if known is not None:
                 found.append(known.places)
                 continue
-            places = None if hessian.constant else sparsity.places(self._keys(hessian.entries))
+            keys = self._keys(hessian.entries)
+            places = sparsity.places(keys)
             if places is None:
                 return None
+            if hessian.constant:
+                different, number = np.unique(keys, return_inverse=True)
+                self._constant[hessian.entries] = _Sorted(different, number, places)
             found.append(places)
         return found
 

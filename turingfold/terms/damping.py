@@ -11,8 +11,9 @@ from ..checks import instance, positive
 from ..geometry.body import Body, by_node
 from ..parts import Operator, Term, TimeStep
 from ..state import State
+from .dynamics import Dissipation
 from .elastic.term import Elastic
-from .quadratic_energy import Quadratic, SymmetricMatrix
+from .quadratic_energy import SymmetricMatrix
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,12 +62,12 @@ class DampingOperator(Operator):
         self.elastic, self.time = elastic, time
         self._known: tuple[Array | None, SymmetricMatrix] | None = None  # the factor, and K₀ with it
 
-    def during(self, state: State, step: TimeStep) -> Quadratic:
+    def during(self, state: State, step: TimeStep) -> Dissipation:
         """Return the potential of one step."""
         old, factor = by_node(state["displacement"]), state.fields.get("stiffness")
-        if self._known is None or self._known[0] is not factor:
+        if self._known is None or not np.array_equal(self._known[0], factor):
             self._known = factor, self._at_rest(state)
-        return Quadratic(self._known[1], old, self.time / step.span)
+        return Dissipation(self._known[1], old, self.time / step.span, step, "damping_work")
 
     def _at_rest(self, state: State) -> SymmetricMatrix:
         factor = {name: state[name] for name in ("stiffness",) if name in state}

@@ -147,6 +147,31 @@ class InertiaEvaluation(QuadraticEvaluation):
 
 
 @dataclass(frozen=True, eq=False)
+class Dissipation(Quadratic):
+    """The potential ½ (x - u)·C (x - u)/(β dt) of forces against the velocity, C v, over a step.
+
+    name: of the work done against them, in the history.
+    """
+
+    step: TimeStep = TimeStep(1.0)
+    name: str = "dissipated"
+
+    def evaluate(self, x: Array) -> DissipationEvaluation:
+        """Return energy and derivatives at x."""
+        return DissipationEvaluation(self, x)
+
+
+class DissipationEvaluation(QuadraticEvaluation):
+    """Dissipation at one displacement."""
+
+    potential: Dissipation
+
+    def measure(self) -> dict[str, float]:
+        """Return the work that the step turns into heat, dt v·C v, x being the end of the step; J/m."""
+        return {self.potential.name: 2.0 * self.potential.step.balance * self.energy}
+
+
+@dataclass(frozen=True, eq=False)
 class DragOperator(Operator):
     """Drag on one body."""
 
@@ -157,6 +182,6 @@ class DragOperator(Operator):
         """A body in a viscous medium needs no support."""
         return True
 
-    def during(self, state: State, step: TimeStep) -> Quadratic:
-        """Return the dissipation over one step, ½ c/dt ‖x - u‖²."""
-        return Quadratic(self.mass, by_node(state["displacement"]), 1 / step.span)
+    def during(self, state: State, step: TimeStep) -> Dissipation:
+        """Return the potential of one step, ½ c/dt ‖x - u‖²."""
+        return Dissipation(self.mass, by_node(state["displacement"]), 1 / step.span, step, "drag_work")
