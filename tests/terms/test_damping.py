@@ -280,7 +280,7 @@ def test_a_sweep_without_inertia_says_why_it_cannot_be(tmp_path, monkeypatch, ca
 
 @pytest.mark.parametrize("scheme", ["euler", "midpoint"])
 def test_the_energy_told_is_that_of_the_vibrating_mode(scheme):
-    """½ ω² a² of the amplitude a is stored; with motion and heat it is all there was, but for Euler's loss."""
+    """½ ω² a² of the amplitude a is stored; with motion and heat it is all, but for Euler's loss."""
     omega, shape = mode(disc("clamped"), 0)
     alpha, beta, dt = 0.2 * omega, 0.3 / omega, 0.3 / omega
     terms = (

@@ -121,7 +121,7 @@ def march(
             continue
         failures, past = 0, progress.equilibria[-REMEMBERED:]
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
-        if step.numbers["snapped"]:  # the short steps that led here, and the past, tell nothing of what follows
+        if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
             onward, past = wanted, ()
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next

@@ -67,7 +67,7 @@ class DampingOperator(Operator):
         old, factor = by_node(state["displacement"]), state.fields.get("stiffness")
         if self._known is None or not np.array_equal(self._known[0], factor):
             self._known = factor, self._at_rest(state)
-        return Dissipation(self._known[1], old, self.time / step.span, step, "damping_work")
+        return Dissipation(self._known[1], old, self.time / step.span, step=step, name="damping_work")
 
     def _at_rest(self, state: State) -> SymmetricMatrix:
         factor = {name: state[name] for name in ("stiffness",) if name in state}

@@ -146,15 +146,15 @@ class InertiaEvaluation(QuadraticEvaluation):
         return {"kinetic_energy": 0.5 * float(velocity @ (self.potential.matrix.whole @ velocity))}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Dissipation(Quadratic):
     """The potential ½ (x - u)·C (x - u)/(β dt) of forces against the velocity, C v, over a step.
 
     name: of the work done against them, in the history.
     """
 
-    step: TimeStep = TimeStep(1.0)
-    name: str = "dissipated"
+    step: TimeStep
+    name: str
 
     def evaluate(self, x: Array) -> DissipationEvaluation:
         """Return energy and derivatives at x."""
@@ -184,4 +184,5 @@ class DragOperator(Operator):
 
     def during(self, state: State, step: TimeStep) -> Dissipation:
         """Return the potential of one step, ½ c/dt ‖x - u‖²."""
-        return Dissipation(self.mass, by_node(state["displacement"]), 1 / step.span, step, "drag_work")
+        old = by_node(state["displacement"])
+        return Dissipation(self.mass, old, 1 / step.span, step=step, name="drag_work")
