@@ -65,7 +65,7 @@ class DampingOperator(Operator):
     def during(self, state: State, step: TimeStep) -> Dissipation:
         """Return the potential of one step."""
         old, factor = by_node(state["displacement"]), state.fields.get("stiffness")
-        if self._known is None or not np.array_equal(self._known[0], factor):
+        if self._known is None or self._known[0] is not factor:
             self._known = factor, self._at_rest(state)
         return Dissipation(self._known[1], old, self.time / step.span, step=step, name="damping_work")
 
