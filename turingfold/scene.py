@@ -122,7 +122,13 @@ def _check_scheme(
                 f"{type(process).__name__} reads {', '.join(read)}, known where forces balance; that is not "
                 f"the end of a step by Stepping(scheme={MIDPOINT!r}). Leave the scheme out."
             )
-    if stepping.scheme == MIDPOINT and not any(term.resists_motion for term in terms):
+    moving = any(term.resists_motion for term in terms)
+    if stepping.local_error is not None and not moving:
+        raise ValueError(
+            f"Stepping(local_error={stepping.local_error:g}) is about a motion, but no term resists any: "
+            "equilibria may jump in a step of any length; leave it out, or add Inertia(...) or Drag(...)."
+        )
+    if stepping.scheme == MIDPOINT and not moving:
         raise ValueError(
             f"Stepping(scheme={MIDPOINT!r}): forces would balance in the middle of each step, but no term "
             "resists motion, so the state at its end would be no equilibrium; leave the scheme out, or add "

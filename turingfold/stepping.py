@@ -26,6 +26,8 @@ class Stepping:
     stops: times of the scene at which a step ends, and whose states are kept; no later than `until`.
     scheme: of scenes with inertia or drag: "euler", in which forces balance at the end of each step (first
     order, never gains energy), or "midpoint", in which they do in its middle (second order, loses none).
+    local_error: of scenes with inertia or drag: how far one step may move a node off the motion, in
+    m; None for any. Longer steps are taken again, shorter; see `solve.step_control`.
     solver: of linear systems, "cholmod" (the extra `fast`), "superlu", or "auto", the faster one installed.
     """
 
@@ -37,6 +39,7 @@ class Stepping:
     seconds: float = float("inf")
     scheme: str = EULER
     stops: tuple[float, ...] = ()
+    local_error: float | None = None
     solver: str = "auto"
 
     def __post_init__(self) -> None:
@@ -56,6 +59,8 @@ class Stepping:
         if min(stops, default=0.0) < 0:
             raise ValueError(f"stops holds {min(stops):g}; the times of a scene are not negative.")
         object.__setattr__(self, "stops", tuple(sorted(stops)))
+        if self.local_error is not None:
+            positive("local_error", self.local_error, remedy="leave it out for steps of any error")
         one_of("solver", self.solver, SOLVERS)
         if self.solver == "cholmod" and find_spec("cvxopt") is None:
             raise ValueError("solver='cholmod' needs cvxopt: pip install 'turingfold[fast]', or drop it.")

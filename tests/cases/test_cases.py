@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from turingfold import simulate
+from turingfold import TangentialGrowth, simulate
 from turingfold.cli.case import folder_name, load_case
 from turingfold.cli.main import main
 from turingfold.results.codec import decode
@@ -61,8 +61,8 @@ def test_the_figures_have_the_parameters_of_document_1(name):
     (path,) = [path for path in CASES if path.stem == name]
     shape = {"radius"} if name == "figure3" else {"width", "height"}
     wanted = (
-        "thickness elements young_gray young_white poisson cortex core radial_core strength half_waves "
-        "kinetics tension pattern two_layers base layers seed"
+        "thickness elements young_gray young_white poisson cortex core radial_core swelling growth_law "
+        "strength half_waves kinetics tension pattern two_layers loads dynamics duration base layers seed"
     )
     assert load_case(path).parameters.keys() == shape | set(wanted.split())
 
@@ -72,9 +72,52 @@ def test_hypotheses_that_are_off_are_absent():
     given = {"tension": False, "pattern": False, "two_layers": False}
     (scene,) = load_case(path).scenes(given, quick=True).values()
     assert [type(part).__name__ for part in (*scene.processes, *scene.terms)] == [
-        "TangentialGrowth", "Elastic", "SelfContact",
+        "TangentialGrowth", "Swelling", "Elastic", "SelfContact",
     ]  # fmt: skip
     assert scene.terms[0].white is None
+
+
+def parts(**given):
+    (path,) = [path for path in CASES if path.stem == "figure3"]
+    (scene,) = load_case(path).scenes(given, quick=True).values()
+    return scene, {type(part).__name__: part for part in (*scene.processes, *scene.terms)}
+
+
+def test_only_the_cortex_grows_where_the_core_is_set_to_one():
+    _, found = parts(core=1.0, radial_core=1.0, swelling=0.0, cortex=1.9)
+    assert "Swelling" not in found
+    assert found["TangentialGrowth"] == TangentialGrowth(cortex=1.9)
+
+
+def test_white_matter_grows_by_stress_in_place_of_the_prescribed_growth():
+    _, found = parts(growth_law="stress", young_white=1895.0, poisson=0.4583)
+    assert found["StressGrowth"].rate == pytest.approx(2 * (1 + 0.4583) / 1895.0)  # 1/μ, in the time 1
+    assert found["TangentialGrowth"] == TangentialGrowth(cortex=2.4)
+
+
+def test_figure_1_loads_are_pairs_without_resultant_in_place_of_the_tension():
+    _, found = parts(loads="figure1")
+    assert "AxonalTension" not in found
+    assert found["PeakLoads"].strength == 1.0
+    _, found = parts(loads="figure1", pattern=False)
+    loads = found["BoundaryLoads"]
+    assert len(loads.places) == 24  # two for each of twelve places
+    np.testing.assert_allclose(loads.resultant, 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.hypot(*np.transpose(loads.forces)), 1.0)
+    # on the half circle the first of each pair lies at a smaller angle and is pulled to a larger one
+    angles = np.pi * np.array(loads.places[:12])
+    pulled = np.stack([-np.sin(angles), np.cos(angles)]) * np.transpose(loads.forces)[:, :12]
+    assert (pulled.sum(0) > 0.99).all()
+    assert "BoundaryLoads" not in parts(loads="figure1", pattern=False, tension=False)[1]
+
+
+def test_dynamics_is_inertia_from_rest_in_seconds_with_a_second_in_which_it_dies():
+    scene, found = parts(dynamics=True, duration=3.0)
+    assert {"Inertia", "StiffnessDamping"} <= found.keys()
+    assert scene.until == 4.0
+    history = found["TangentialGrowth"].history
+    assert [history.factor(2.0, t) for t in (0.0, 1.5, 3.0, 4.0)] == [1.0, 1.5, 2.0, 2.0]
+    assert scene.stepping.local_error == pytest.approx(0.02 * 2.5e-3)
 
 
 def test_a_body_that_grows_evenly_on_rollers_is_free_of_stress():

@@ -1,12 +1,26 @@
 """Growth in response to stress: exact bars at a fixed stretch, order in the step, stability, rest."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from skfem import MeshTri1
 
-from turingfold import Body, Elastic, NeoHookean, Scene, StressGrowth, TangentialGrowth, VolumeGrowth
+from turingfold import (
+    Body,
+    Elastic,
+    NeoHookean,
+    Scene,
+    Stepping,
+    StressGrowth,
+    Table,
+    TangentialGrowth,
+    VolumeGrowth,
+)
+from turingfold.errors import InadmissibleStateError
 from turingfold.geometry.body import by_node
+from turingfold.growth.stress_driven import LARGEST
 from turingfold.parts import TimeStep
 from turingfold.solve.march import begin, march
 from turingfold.state import State
@@ -88,6 +102,24 @@ def test_any_step_comes_down_to_the_end_without_overshooting(law):
         else:
             assert np.abs(cauchy([1.2, 1.1, 1.0], end)[:2]).max() < 1e-2 * WHITE.mu
     np.testing.assert_allclose(*ends, rtol=1e-3)
+
+
+@pytest.mark.parametrize("law", [StressGrowth(rate=A), VolumeGrowth(rate=5.0)])
+def test_growth_that_is_too_fast_for_a_step_is_refused_and_not_cut(law):
+    with pytest.raises(InadmissibleStateError, match="growth would change by a factor of .* in a step of 1,"):
+        held(law, (2.0, 1.5), 1.0, 1)
+
+
+def test_a_march_halves_steps_in_which_growth_is_too_fast():
+    # a cortex that grows threefold along the bar pulls its white matter
+    gray = TangentialGrowth(cortex=3.0, history=Table(times=(0.0, 0.5), shares=(0.0, 1.0)))
+    processes, stepping = (gray, StressGrowth(rate=20 * A)), Stepping(first=0.5, largest=0.5)
+    scene = Scene(body=bar(), terms=(SOLID,), processes=processes, stepping=stepping)
+    states = [step.state for step, _ in march(scene, begin(scene))]
+    assert len(states) > 2
+    changes = [np.log(after["response"] / before["response"]) for before, after in pairwise(states)]
+    assert np.abs(changes).max() <= LARGEST
+    assert np.abs(np.log(states[-1]["response"])).max() > 2 * LARGEST
 
 
 @pytest.mark.parametrize("law", [StressGrowth(rate=10 * A), VolumeGrowth(rate=10.0)])

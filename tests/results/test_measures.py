@@ -48,6 +48,10 @@ def test_area_growth_of_a_folded_body_is_that_inside_its_curved_outline():
     core = np.concatenate([inner, base[min(ends) + 1 : max(ends)]])
     before, after = (loop_area((body.nodes + u)[:, core]) for u in (0.0, result.last["displacement"]))
     assert summary["core_growth"] == pytest.approx(after / before, rel=1e-12)
+    # what is not core is cortex
+    total, share = loop_area(body.nodes[:, loop]), loop_area(body.nodes[:, core])
+    cortex = (summary["area_growth"] * total - summary["core_growth"] * share) / (total - share)
+    assert summary["cortex_growth"] == pytest.approx(cortex, rel=1e-12)
 
 
 def test_folds_are_told_with_what_counts_and_the_registration_with_what_chance_gives():

@@ -30,8 +30,8 @@ from turingfold.cli.run import told
 from turingfold.extend import Evolution, Process
 
 KEYS = {
-    "status", "message", "time", "area_growth", "core_growth", "centre_growth", "dofs", "triangles",
-    "elements_through_cortex", "steps", "newton_iterations", "factorizations",
+    "status", "message", "time", "area_growth", "cortex_growth", "core_growth", "centre_growth",
+    "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",
     "min_jacobian", "min_gap",
     "inverted_elements", "self_intersections", "gyrification_index",

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from ..figures.sections import areas
 from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
 from ..results.files import write_whole
@@ -186,7 +187,7 @@ def progress(ends: Mapping[str, float]) -> Iterator[Report]:
 
 
 def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
-    """Yield what a person wants to know: five or six lines for one scene, a line each for several.
+    """Yield what a person wants to know: six or seven lines for one scene, a line each for several.
 
     Lengths are in mm, or in cortical thicknesses for bodies in units of their own (`results.length_unit`).
     """
@@ -230,6 +231,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     if s["registration"]:
         chance = f"; {100 * s['registration_p']:.1f} % of the pattern's phases register as well or better"
     yield f"pattern: {_gyri(s['registration'])}{chance}"
+    yield f"grown: {areas(results[name])}"
     yield f"results: {base / folder_name(name)}"
 
 

@@ -7,6 +7,7 @@ from .grids import layers as layers
 from .grids import nearest_step as nearest_step
 from .grids import numbers as numbers
 from .sections import activator as activator
+from .sections import areas as areas
 from .sections import field_limits as field_limits
 from .sections import folding as folding
 from .sections import load_arrows as load_arrows

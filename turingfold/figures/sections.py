@@ -245,7 +245,8 @@ def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None
     main.legend(loc="lower left", frameon=False, bbox_to_anchor=(0.0, 0.0))
     if "pattern" in state:
         small[0].sharex(small[-1])
-    for letter, title, axes in zip("abcd", [*story, measures(result)], [*small, main], strict=False):
+    titles = *story, f"{measures(result)}\n{areas(result)}"
+    for letter, title, axes in zip("abcd", titles, [*small, main], strict=False):
         axes.set_title(f"$\\bf{{{letter}}}$   {title}", loc="left", fontsize=11)
 
 
@@ -258,6 +259,13 @@ def measures(result: Result) -> str:
     if s["registration"] is not None:
         words.append(f"registration {s['registration']:+.2f}")
     return ", ".join(words)
+
+
+def areas(result: Result) -> str:
+    """Return how many times as large the whole, cortex, core and centre have become, as one line."""
+    s, names = result.summary(), ("area", "cortex", "core", "centre")
+    grown = {name: s[f"{name}_growth"] for name in names}
+    return ", ".join(f"{name} {value:.2f}-fold" for name, value in grown.items() if value is not None)
 
 
 def _load(scene: Scene, state: State, term: Term) -> Array | None:

@@ -9,13 +9,14 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import one_of, positive
+from ..errors import InadmissibleStateError
 from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
 from ..parts import Evolution, Fields, Process
 from ..state import State
 from .laws import OUT_OF_PLANE, multiplied
 
-LARGEST = 0.2  # of the logarithm of a growth factor in one step: a longer step is cut there
+LARGEST = 0.2  # of the logarithm of a growth factor in one step; a longer step is taken in shorter ones
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,7 +140,13 @@ class RespondingOnBody(Evolution):
     def advance(self, before: State, now: State, dt: float) -> Fields:
         """Return the growth after the response to the last equilibrium."""
         change = self.white * self.law.increments(self.body, before, dt)
-        change = np.clip(change, -LARGEST, LARGEST)
+        if (most := float(np.abs(change).max())) > LARGEST:
+            raise InadmissibleStateError(
+                f"{type(self.law).__name__}: growth would change by a factor of {np.exp(most):.3g} in a step "
+                f"of {dt:.3g}, more than {np.exp(LARGEST):.3g}; use a smaller rate={self.law.rate:g}, or "
+                "allow shorter steps (Stepping(smallest=...))",
+                time=before.time,
+            )
         return self._fields(before["response"] * np.exp(change), now)
 
     def _fields(self, response: Array, state: State) -> Fields:

@@ -12,7 +12,7 @@ from .surface import along_pial, pial_closed
 
 
 def area_numbers(body: Body, state: State) -> dict[str, float | None]:
-    """Return the deformed over the undeformed area of the whole, of the core and of its centre.
+    """Return the deformed over the undeformed area of the whole, of cortex and core, and of its centre.
 
     The core is what lies below the cortex, the centre what lies deeper than half of the largest depth: in a
     disc, inside half the radius. None for a body without such a part.
@@ -26,6 +26,7 @@ def area_numbers(body: Body, state: State) -> dict[str, float | None]:
     core = np.broadcast_to(~body.in_cortex, weights.shape)
     return {
         "area_growth": growth(np.ones_like(core)),
+        "cortex_growth": growth(~core),
         "core_growth": growth(core),
         "centre_growth": growth(body.depth > 0.5 * body.depth.max()),
     }

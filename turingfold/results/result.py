@@ -199,7 +199,8 @@ class Result:
         negative_pivots: directions in which the last state's energy falls; 0 at a minimum.  saddles: states
         of the whole run that are no minima.  snaps: steps at whose end the body lies far from their start.
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
-        area_growth, core_growth, centre_growth, inverted_elements, sulcal_depth, mirror_error: `measures`.
+        area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
+        mirror_error: `measures`.
         seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history

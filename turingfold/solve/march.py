@@ -18,6 +18,7 @@ from ..stepping import Stepping
 from .newton import Memory, Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 from .problem import Configuration, Problem, configuration
+from .step_control import error_of_step, length_for, too_long
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
@@ -119,10 +120,16 @@ def march(
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
+        miss = error_of_step(progress.equilibria, step.state.time, step.state["displacement"])
+        if too_long(miss, dt, stepping, until, progress.state.time):
+            minimiser.forget()
+            progress = replace(progress, dt=length_for(miss, dt, stepping))
+            continue
         failures, past = 0, progress.equilibria[-REMEMBERED:]
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
             onward, past = wanted, ()
+        onward = min(onward, length_for(miss, dt, stepping))
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next
             onward = max(onward, progress.dt)
