@@ -10,7 +10,6 @@ from small import elastic_scene
 from turingfold import (
     Drag,
     Inertia,
-    NotConvergedError,
     Scene,
     Stepping,
     StoppedError,
@@ -77,9 +76,8 @@ def test_the_peak_of_kinetic_energy_converges_as_the_bound_is_halved():
 
 
 def test_a_bound_that_no_step_keeps_stops_the_march_with_what_to_try():
-    with pytest.raises(StoppedError, match=r"is off by .* more than Stepping\(local_error=1e-09\)") as stopped:
+    with pytest.raises(StoppedError, match=r"is off by .* more than Stepping\(local_error=1e-09\)"):
         simulate(moved(1e-9, smallest=1e-4))
-    assert isinstance(stopped.value, NotConvergedError)
 
 
 def test_equilibria_are_refused_as_they_may_jump():
