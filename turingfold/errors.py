@@ -32,5 +32,14 @@ class InadmissibleStateError(SolveError):
     """A state with a non-finite value, an inverted element or an intersection."""
 
 
+class StepTooLongError(SolveError):
+    """A step that is to be taken again, shorter: the solve did not fail, but the step is too coarse."""
+
+    def __init__(self, message: str, *, length: float, time: float = float("nan")) -> None:
+        """Take the length, in the scene's time, that may do."""
+        super().__init__(message, time=time)
+        self.length = length
+
+
 class MissingFieldError(ValueError):
     """A part reads a field that no earlier process writes."""

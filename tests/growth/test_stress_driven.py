@@ -18,7 +18,7 @@ from turingfold import (
     TangentialGrowth,
     VolumeGrowth,
 )
-from turingfold.errors import InadmissibleStateError
+from turingfold.errors import StepTooLongError
 from turingfold.geometry.body import by_node
 from turingfold.growth.stress_driven import LARGEST
 from turingfold.parts import TimeStep
@@ -106,7 +106,7 @@ def test_any_step_comes_down_to_the_end_without_overshooting(law):
 
 @pytest.mark.parametrize("law", [StressGrowth(rate=A), VolumeGrowth(rate=5.0)])
 def test_growth_that_is_too_fast_for_a_step_is_refused_and_not_cut(law):
-    with pytest.raises(InadmissibleStateError, match="growth would change by a factor of"):
+    with pytest.raises(StepTooLongError, match="growth would change by a factor of"):
         held(law, (2.0, 1.5), 1.0, 1)
 
 

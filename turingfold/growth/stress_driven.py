@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import one_of, positive
-from ..errors import InadmissibleStateError
+from ..errors import StepTooLongError
 from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
 from ..parts import Evolution, Fields, Process
@@ -141,10 +141,11 @@ class RespondingOnBody(Evolution):
         """Return the growth after the response to the last equilibrium."""
         change = self.white * self.law.increments(self.body, before, dt)
         if (most := float(np.abs(change).max())) > LARGEST:
-            raise InadmissibleStateError(
+            raise StepTooLongError(
                 f"{type(self.law).__name__}: growth would change by a factor of {np.exp(most):.3g} in a step "
                 f"of {dt:.3g}, more than {np.exp(LARGEST):.3g}; use a smaller rate={self.law.rate:g}, or "
                 "allow shorter steps (Stepping(smallest=...))",
+                length=0.5 * dt,
                 time=before.time,
             )
         return self._fields(before["response"] * np.exp(change), now)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -9,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InadmissibleStateError, NotConvergedError, SolveError
+from ..errors import InadmissibleStateError, NotConvergedError, SolveError, StepTooLongError
 from ..geometry.body import by_node
 from ..parts import TimeStep
 from ..scene import Scene
@@ -18,7 +19,7 @@ from ..stepping import Stepping
 from .newton import Memory, Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 from .problem import Configuration, Problem, configuration
-from .step_control import error_of_step, length_for, too_long
+from .step_control import longest_next
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
@@ -29,13 +30,14 @@ PATIENCE = 3  # times that a step is halved before the body snaps
 class Step:
     """An accepted step: the state at its end, all potentials there, and the numbers of its history row.
 
-    seconds: spent since the march began, by kind of work.
+    seconds: spent since the march began, by kind of work.  longest_next: what a bound on the error allows.
     """
 
     state: State
     at: Configuration
     numbers: dict[str, float]
     seconds: dict[str, float]
+    longest_next: float = math.inf
 
     @property
     def x(self) -> Array:
@@ -109,6 +111,12 @@ def march(
             wanted = progress.dt
         try:
             step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=failures >= PATIENCE)
+        except StepTooLongError as error:
+            if error.length < stepping.smallest * until:
+                raise _stopped(progress.state, until, error) from error
+            minimiser.forget()
+            progress = replace(progress, dt=error.length)
+            continue
         except SolveError as error:
             failures += 1
             if not minimiser.out_of_time and dt / 2 < stepping.smallest * until:
@@ -120,16 +128,11 @@ def march(
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
-        miss = error_of_step(progress.equilibria, step.state.time, step.state["displacement"])
-        if too_long(miss, dt, stepping, until, progress.state.time):
-            minimiser.forget()
-            progress = replace(progress, dt=length_for(miss, dt, stepping))
-            continue
         failures, past = 0, progress.equilibria[-REMEMBERED:]
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
             onward, past = wanted, ()
-        onward = min(onward, length_for(miss, dt, stepping))
+        onward = min(onward, step.longest_next)
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next
             onward = max(onward, progress.dt)
@@ -176,6 +179,7 @@ def _attempt(
         minimiser.forget()
     energy = problem.potential_energy(state, step, at)
     state = state.updated(displacement=at.x.reshape(-1, 2).T.copy())
+    onward = longest_next(progress.equilibria, state.time, state["displacement"], problem.scene.stepping)
     state = problem.finished(state, found.at)
     numbers = {
         "time": state.time,
@@ -190,7 +194,7 @@ def _attempt(
     }
     for evaluation in at.evaluations:
         numbers |= evaluation.measure()
-    return Step(state, at, numbers, dict(effort.seconds))
+    return Step(state, at, numbers, dict(effort.seconds), onward)
 
 
 def _at_end(problem: Problem, end: State, step: TimeStep, old: State, found: Configuration) -> Configuration:

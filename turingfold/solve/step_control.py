@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from ..errors import NotConvergedError
+from ..errors import StepTooLongError
 from ..stepping import Stepping
 from .prediction import Past
 
@@ -31,23 +31,23 @@ def error_of_step(before: tuple[Past, ...], time: float, displacement: Array) ->
     return float(np.hypot(*change).max()) * dt * dt / (dt + earlier)
 
 
-def length_for(error: float, dt: float, stepping: Stepping) -> float:
-    """Return the longest step that keeps the bound, from the error of one of length dt; inf without one."""
+def longest_next(
+    before: tuple[Past, ...], time: float, displacement: Array, stepping: Stepping
+) -> float:
+    """Return the longest step after one that the bound on the error allows; inf without a bound.
+
+    Raises StepTooLongError for one that is too far off itself.
+    """
     if stepping.local_error is None:
         return np.inf
+    dt, error = time - before[-1].time, error_of_step(before, time, displacement)
     share = AIM * np.sqrt(stepping.local_error / max(error, 1e-300))
-    return dt * float(np.clip(share, SHORTEST, LONGEST))
-
-
-def too_long(error: float, dt: float, stepping: Stepping, until: float, time: float) -> bool:
-    """Return whether a step is to be taken again, shorter; raises NotConvergedError at the shortest."""
-    if stepping.local_error is None or error <= TOLERATED * stepping.local_error:
-        return False
-    if dt * SHORTEST < stepping.smallest * until:
-        raise NotConvergedError(
-            f"The march stopped at t = {time:.6g} of {until:g}: a step of {dt:.3g} is off by {error:.3g}, "
-            f"more than Stepping(local_error={stepping.local_error:g}). The last good state is kept. Allow "
-            "shorter steps (Stepping(smallest=...)), a larger error, or add damping.",
+    length = dt * float(np.clip(share, SHORTEST, LONGEST))
+    if error > TOLERATED * stepping.local_error:
+        raise StepTooLongError(
+            f"a step of {dt:.3g} is off by {error:.3g}, more than "
+            f"Stepping(local_error={stepping.local_error:g}); allow shorter ones (smallest=), or add damping",
+            length=length,
             time=time,
         )
-    return True
+    return length
