@@ -20,6 +20,16 @@ def loud():
         sys.modules["matplotlib.pyplot"].close("all")
 
 
+@pytest.fixture(scope="session")
+def folded():
+    """Return the result of the scene with everything in it; to be read only."""
+    from small import folding_scene
+
+    from turingfold import simulate
+
+    return simulate(folding_scene())
+
+
 # slow tests that touch walls and were not run to their end since contact acts on curves: CI runs them and
 # says what came of each (XPASS, XFAIL), but does not fail by them; the list is to be emptied
 NOT_RUN_SINCE = (

@@ -25,9 +25,9 @@ def elastic_scene(*processes, body=None, **options):
 
 
 def folding_scene():
-    """Eight half waves on a thick cortex: pattern, tension, growth, and contact that acts."""
+    """Eight half waves on a thick cortex: pattern, tension, growth; walls touch in the last steps."""
     body = semicircle(radius=0.04, thickness=0.006, size=0.003)
     gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
-    processes = (Turing(Schnakenberg(), half_waves=8), TangentialGrowth(cortex=2.2))
+    processes = (Turing(Schnakenberg(), half_waves=8), TangentialGrowth(cortex=2.0))
     terms = (Elastic(gray=gray, white=white), AxonalTension(strength=0.5), SelfContact())
-    return Scene(body=body, terms=terms, processes=processes, stepping=Stepping(first=0.05, largest=0.08))
+    return Scene(body=body, terms=terms, processes=processes, stepping=Stepping(first=0.05, largest=0.1))

@@ -73,6 +73,7 @@ def scenes(quick=False):
 def draw(results, figure):
     figure.set_size_inches(2, 1)
     axes = figure.add_subplot()
+    axes.set_axis_off()
     for result in results.values():
         axes.plot(*result.pial())
 '''
@@ -456,7 +457,8 @@ def test_a_case_makes_its_scenes_once(tmp_path, monkeypatch, command):
         "    with Path('made').open('a') as file:\n        file.write('x')\n"
         "    body = semicircle(radius=1.0, thickness=0.25, size=0.25)\n"
         "    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))\n"
-        "    return {'one': Scene(body=body, terms=(solid,), processes=(TangentialGrowth(cortex=1.1),))}\n"
+        "    steps, grow = Stepping(first=1, largest=1), TangentialGrowth(cortex=1.1)\n"
+        "    return {'one': Scene(body=body, terms=(solid,), processes=(grow,), stepping=steps)}\n"
         "def draw(results, figure):\n    figures.section(figure.add_subplot(), results['one'])\n"
     )
     more = ["--vary", "TangentialGrowth.cortex=1.1,1.2"] if command == "sweep" else []

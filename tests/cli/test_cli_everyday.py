@@ -145,13 +145,14 @@ def children(pid):
 
 
 COMPUTES = '''"""A patch whose length is computed."""
-from turingfold import Elastic, NeoHookean, Scene, TangentialGrowth, semicircle
+from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
 
 
 def scenes(quick=False):
     body = semicircle(radius=1.0, thickness=0.25, elements=1)
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),)
-    return {"one": Scene(body=body, terms=terms, processes=(TangentialGrowth(cortex=1.1),))}
+    grow, steps = TangentialGrowth(cortex=1.1), Stepping(first=1.0, largest=1.0)
+    return {"one": Scene(body=body, terms=terms, processes=(grow,), stepping=steps)}
 
 
 def computed(results):
@@ -161,7 +162,9 @@ def computed(results):
 
 
 def draw(results, figure, computed):
-    figure.add_subplot().plot(computed["line"])
+    axes = figure.add_subplot()
+    axes.set_axis_off()
+    axes.plot(computed["line"])
 '''
 
 

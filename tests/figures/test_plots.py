@@ -6,17 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from small import elastic_scene, folding_scene
+from small import elastic_scene
 
 from turingfold import AxonalTension, figures, half, outline, semicircle, simulate
 from turingfold.figures.style import at_nodes, colour_limits, compact, per_length, round_length, sulci
 from turingfold.results.result import Result
 from turingfold.state import State
-
-
-@pytest.fixture(scope="module")
-def folded():
-    return simulate(folding_scene())
 
 
 @pytest.fixture

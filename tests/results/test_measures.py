@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small import elastic_scene, folding_scene
+from small import elastic_scene
 
 from turingfold import Body, TangentialGrowth, half, semicircle, simulate
 from turingfold.results.measures import area_numbers, fold_numbers
@@ -32,21 +32,20 @@ def loop_area(points):
     return 0.5 * float(np.sum(ends + 4 * at(m, b - a))) / 6
 
 
-def test_area_growth_of_a_folded_body_is_that_inside_its_curved_outline():
-    result = simulate(folding_scene())
-    body = result.scene.body
+def test_area_growth_of_a_folded_body_is_that_inside_its_curved_outline(folded):
+    body = folded.scene.body
     (pial, _), (base, _) = body.boundary_path("pial"), body.boundary_path("base")
     assert pial[-1] == base[0]
     loop = np.concatenate([pial, base[1:-1]])
-    before, after = (loop_area((body.nodes + u)[:, loop]) for u in (0.0, result.last["displacement"]))
-    summary = result.summary()
+    before, after = (loop_area((body.nodes + u)[:, loop]) for u in (0.0, folded.last["displacement"]))
+    summary = folded.summary()
     assert before == pytest.approx(np.pi / 2 * 0.04**2, rel=1e-3)
     assert summary["area_growth"] == pytest.approx(after / before, rel=1e-12)
     inner = body.interface
     # the core's outline: interface, and the base between its ends
     ends = [int(np.flatnonzero(base == end)[0]) for end in (inner[0], inner[-1])]
     core = np.concatenate([inner, base[min(ends) + 1 : max(ends)]])
-    before, after = (loop_area((body.nodes + u)[:, core]) for u in (0.0, result.last["displacement"]))
+    before, after = (loop_area((body.nodes + u)[:, core]) for u in (0.0, folded.last["displacement"]))
     assert summary["core_growth"] == pytest.approx(after / before, rel=1e-12)
     # what is not core is cortex
     total, share = loop_area(body.nodes[:, loop]), loop_area(body.nodes[:, core])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small import GROWTH, RADIUS, THICKNESS, elastic_scene, folding_scene
+from small import GROWTH, RADIUS, THICKNESS, elastic_scene
 
 from turingfold import (
     CoarseMeshWarning,
@@ -175,14 +175,13 @@ def test_summary_of_a_scene_without_pattern_and_contact(grown):
     assert 0 < sum(summary["seconds_by_part"].values()) <= summary["seconds"]
 
 
-def test_summary_of_a_folding_scene():
-    result = simulate(folding_scene())
-    summary = result.summary()
+def test_summary_of_a_folding_scene(folded):
+    summary = folded.summary()
     assert -1 <= summary["registration"] <= 1
     assert summary["min_gap"] > 0
-    assert result.pattern().shape == result.pial().shape[1:]
-    assert result.pattern().min() >= 0
-    assert result.pattern().max() <= 1
+    assert folded.pattern().shape == folded.pial().shape[1:]
+    assert folded.pattern().min() >= 0
+    assert folded.pattern().max() <= 1
 
 
 def test_a_march_that_stops_keeps_what_it_reached():
@@ -248,20 +247,19 @@ def test_a_coarse_cortex_is_warned_about():
 
 
 @pytest.mark.parametrize("copied", [lambda item: pickle.loads(pickle.dumps(item)), copy.deepcopy])
-def test_results_states_and_errors_can_be_copied(copied):
-    result = simulate(folding_scene())
-    result.observe()  # with what is kept from it
-    again = copied(result)
-    assert again.summary() == result.summary()
-    assert repr(again.history) == repr(result.history)
-    for state, other in zip(again.states, result.states, strict=True):
+def test_results_states_and_errors_can_be_copied(copied, folded):
+    folded.observe()  # with what is kept from it
+    again = copied(folded)
+    assert again.summary() == folded.summary()
+    assert repr(again.history) == repr(folded.history)
+    for state, other in zip(again.states, folded.states, strict=True):
         assert state.fields.keys() == other.fields.keys()
         assert all(np.array_equal(state[name], other[name]) for name in state.fields)
     with pytest.raises(TypeError, match="item assignment"):
         again.last.fields["displacement"] = None
-    stopped = copied(StoppedError(NotConvergedError("why", time=0.5, residual=1e-3), result))
+    stopped = copied(StoppedError(NotConvergedError("why", time=0.5, residual=1e-3), folded))
     assert (type(stopped), str(stopped), stopped.time, stopped.residual) == (StoppedError, "why", 0.5, 1e-3)
-    assert stopped.result.summary() == result.summary()
+    assert stopped.result.summary() == folded.summary()
     path = copied(PathStoppedError("why", None, time=0.5, residual=1e-3))
     assert (str(path), path.path, path.time) == ("why", None, 0.5)
 

@@ -236,12 +236,6 @@ def test_a_march_goes_on_as_if_it_had_not_been_interrupted():
         assert one.numbers["newton_iterations"] == other.numbers["newton_iterations"]
 
 
-def test_the_same_scene_gives_the_same_bytes():
-    one, other = run(folding()), run(folding())
-    for (a, _), (b, _) in zip(one, other, strict=True):
-        assert a.state["displacement"].tobytes() == b.state["displacement"].tobytes()
-
-
 def test_a_full_body_keeps_its_mirror_symmetry_while_it_is_stable():
     made = semicircle(radius=1.0, thickness=0.2, size=0.1, base="roller")
     grow = TangentialGrowth(cortex=1.4)
