@@ -10,52 +10,18 @@ from skfem import Basis, ElementTriP2, MeshTri2
 
 from ..arrays import Array, Booleans, Integers
 from ..checks import one_of, positive
+from .band import Band, band
 from .changes import Changes
 from .curve import Curve
 from .paths import Curves, Path, paths
-from .supports import components, holds
-from .triangles import check_elements, quadratic_mesh, straight_mesh
+from .quadrature import Quadrature
+from .supports import clamped, components, holds, sliding
+from .triangles import check_elements, quadratic_mesh
 
 BASES = ("clamped", "roller", "free")
 SHARP, SIGMOID = LAYERS = ("sharp", "sigmoid")
 HOLES = ("free", "clamped")
 DEPTHS = ("thickness", "interface")
-
-
-@dataclass(frozen=True, eq=False)
-class Band:
-    """The part of a body's mesh that is cortex: `mesh` and, per node of it, the node of the body."""
-
-    mesh: MeshTri2
-    nodes: Integers
-
-
-@dataclass(frozen=True)
-class Quadrature:
-    """The body's integration points, q of them in each of e elements; the rule has positive weights only.
-
-    derivatives: of the 6 shape functions in the reference triangle, shape (6, 2, q).
-    shapes: the shape functions, (6, q).  inverse: ∂ξ/∂X, (2, 2, q, e).  weights: area of each point, (q, e).
-    """
-
-    points: Array
-    shapes: Array
-    derivatives: Array
-    inverse: Array
-    weights: Array
-
-    @classmethod
-    def of(cls, basis: Basis) -> Quadrature:
-        """Return the integration points of a basis of quadratic triangles."""
-        mapping, points = basis.mapping, basis.X
-        values = [basis.elem.lbasis(points, i) for i in range(6)]
-        return cls(
-            points=np.ascontiguousarray(np.swapaxes(mapping.F(points), 1, 2)),
-            shapes=np.stack([shape for shape, _ in values]),
-            derivatives=np.stack([slope for _, slope in values]),
-            inverse=np.ascontiguousarray(np.swapaxes(mapping.invDF(points), 2, 3)),
-            weights=np.ascontiguousarray(basis.dx.T),
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,11 +72,9 @@ class Body:
                 f"thickness={self.thickness:g} m is less than the depth of the outermost elements: no gray "
                 'matter; use smaller elements, or name the subdomain "cortex".'
             )
-        _ = (
-            self.pial_paths,
-            self._sliding,
-            self.depth_by == "interface" and self.interface_paths,
-        )  # refuses some
+        _ = self.pial_paths, self.supported  # both refuse some bodies
+        if self.depth_by == "interface":
+            _ = self.interface_paths
 
     # nodes and curves
 
@@ -225,23 +189,15 @@ class Body:
     @cached_property
     def cortex(self) -> Band:
         """The cortical band as a mesh of its own, with the boundaries "pial" and "interface"."""
-        return _submesh(self, np.flatnonzero(self.in_cortex))
+        lines = {name: self.boundary_paths(name) for name in self.mesh.boundaries}
+        lines["interface"] = self.interface_paths
+        return band(self.mesh, np.flatnonzero(self.in_cortex), lines)
 
     def spread(self, band: Band, values: Array, outside: float = float("nan")) -> Array:
         """Return nodal values of a band, (n_band_nodes,), at all nodes, (n_nodes,)."""
         everywhere = np.full(self.nodes.shape[1], outside)
         everywhere[band.nodes] = values
         return everywhere
-
-    def part(self, elements: Integers) -> tuple[MeshTri2, Integers]:
-        """Return some elements as a mesh with straight sides, and the node of the body per node of it."""
-        vertices, local = np.unique(self.mesh.t[:, elements], return_inverse=True)
-        mesh = MeshTri2.from_mesh(straight_mesh(self.mesh.p[:, vertices], local.reshape(3, -1)))
-        n = self.mesh.nvertices
-        order = np.argsort(keys := np.sort(self.mesh.facets, axis=0).T @ np.array([n, 1]))
-        wanted = np.sort(vertices[mesh.facets], axis=0).T @ np.array([n, 1])
-        facets = order[np.searchsorted(keys[order], wanted)]
-        return mesh, np.concatenate([vertices, self.mesh.nvertices + facets])
 
     # integration
 
@@ -306,30 +262,15 @@ class Body:
     @cached_property
     def supported(self) -> Integers:
         """Degrees of freedom 2·node + component that base, mirror and clamped holes prevent."""
-        dofs = [np.zeros(0, dtype=np.int64)]
-        for name, kind in (("base", self.base), ("hole", self.hole)):
+        kinds = {"base": self.base, "hole": self.hole, "mirror": "roller"}
+        dofs = np.zeros(0, dtype=np.int64)
+        for name, kind in kinds.items():
             if kind == "clamped":
-                dofs += [2 * path.nodes + k for path in self.boundary_paths(name) for k in (0, 1)]
-        dofs += [2 * path.nodes + axis for path, axis in self._sliding]
-        return np.unique(np.concatenate(dofs))
-
-    @property
-    def _sliding(self) -> list[tuple[Path, int]]:
-        """Boundaries without normal displacement, and the axis of that."""
-        names = ["base"] * (self.base == "roller") + ["mirror"] * self.mirror
-        found = []
-        for name in names:
-            for path in self.boundary_paths(name):
-                spread = np.ptp(self.nodes[:, path.nodes], axis=1)
-                axis = int(np.argmin(spread))
-                if spread[axis] > 1e-9 * self.length:
-                    raise ValueError(
-                        f"boundary {name!r} is not a horizontal or vertical line (it spreads "
-                        f"{spread[axis]:.3g} m), so it cannot slide on rollers; use "
-                        'base="clamped" or "free", or turn the body.'
-                    )
-                found.append((path, axis))
-        return found
+                dofs = np.union1d(dofs, clamped(self.boundary_paths(name)))
+            elif kind == "roller":
+                across = sliding(self.nodes, self.boundary_paths(name), name, 1e-9 * self.length)
+                dofs = np.union1d(dofs, across)
+        return dofs
 
 
 def _only(found: tuple[Path, ...], name: str, plural: str) -> Path:
@@ -343,23 +284,3 @@ def _only(found: tuple[Path, ...], name: str, plural: str) -> Path:
 def by_node(vectors: Array) -> Array:
     """Return nodal vectors (2, n_nodes) as one, (2 n_nodes,), in the order 2·node + component."""
     return vectors.T.ravel()
-
-
-def _submesh(body: Body, elements: Integers) -> Band:
-    mesh = body.mesh
-    part, nodes = body.part(elements)
-    lines = {name: body.boundary_paths(name) for name in mesh.boundaries} | {
-        "interface": body.interface_paths
-    }
-    sides = {name: {n for path in parts for n in path.nodes.tolist()} for name, parts in lines.items()}
-    edge = part.boundary_facets()
-    named = {
-        name: edge[[int(nodes[part.nvertices + f]) in side for f in edge]] for name, side in sides.items()
-    }
-    boundaries = {name: found for name, found in named.items() if len(found)}
-    return Band(
-        MeshTri2(
-            np.ascontiguousarray(mesh.doflocs[:, nodes]), part.t, _boundaries=boundaries, validate=False
-        ),
-        nodes,
-    )

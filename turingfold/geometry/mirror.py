@@ -10,6 +10,7 @@ from skfem import MeshTri2
 
 from ..arrays import Integers
 from ..checks import instance
+from .band import submesh
 from .body import Body
 
 SYMMETRIC = 1e-9  # share of the body's length by which mirror images may differ
@@ -36,7 +37,7 @@ def half(body: Body) -> Body:
     tolerance = SYMMETRIC * body.length
     if 2 * len(keep) != mesh.nelements or np.any(mesh.p[0][mesh.t[:, keep]] < -tolerance):
         raise ValueError("the mesh has triangles across x = 0; only one with edges along it can be halved.")
-    part, nodes = body.part(keep)
+    part, nodes = submesh(body.mesh, keep)
     points = mesh.doflocs[:, nodes].copy()
     points[0, np.abs(points[0]) < tolerance] = 0.0
     outer = part.boundary_facets()

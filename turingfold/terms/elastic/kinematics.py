@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Array
-from ...geometry.body import Quadrature
+from ...geometry.quadrature import Quadrature
 from .projection import negative_parts
 
 

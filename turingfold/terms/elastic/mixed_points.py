@@ -12,7 +12,8 @@ import numpy as np
 from skfem import Basis, ElementTriP2
 
 from ...arrays import Array
-from ...geometry.body import Body, Quadrature
+from ...geometry.body import Body
+from ...geometry.quadrature import Quadrature
 from .kinematics import Metric, cofactor, determinant, first_invariant, times_symmetric
 from .material import shrink
 
