@@ -1,3 +1,1 @@
-"""A window to change a scene's parameters by hand and watch what happens; built on matplotlib alone."""
-
-from .window import App as App
+"""The app in the browser: pages that start runs of the command line, and draw what those store."""

@@ -1,72 +1,122 @@
-"""turingfold app: a window to change a case's parameters by hand and watch what happens."""
+"""turingfold app: serve the page in which cases are changed and run, until Ctrl-C."""
 
 from __future__ import annotations
 
 import os
+import secrets
+import socket
 import sys
-import warnings
-from collections.abc import Callable
-from dataclasses import replace
+import webbrowser
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..app import App
-from ..results.simulate import CoarseMeshWarning, coarseness
-from .case import find_case, folder_name
-from .figure import save_figure
-from .plan import base_folder, planned
-from .request import Request
+from ..models.declared import values_of
+from .case import Case, find_case, load_case, shipped
+from .status import complain, say
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from ..app.choices import Choice
+
+NEEDED = ("starlette", "uvicorn")
+PORT = 8765
+HERE = "127.0.0.1"
 
 
-def app(request: Request) -> int:
-    """Open the window and return when it is closed.
+@dataclass(frozen=True)
+class Address:
+    """Where the page is: port None is the usual one or, where that is taken, a free one."""
 
-    Pictures go to results/<case>-app, those of a quick version to results/quick/<case>-app. What is run is
-    printed as a command line. Raises ValueError without a display, or for a mistake in the case.
+    host: str | None = None
+    port: int | None = None
+    token: bool = False
+
+    def bound(self) -> socket.socket:
+        """Return a socket that listens there; raises OSError where it cannot."""
+        host = self.host or HERE
+        kind = socket.AF_INET6 if ":" in host else socket.AF_INET
+        for port in (self.port,) if self.port is not None else (PORT, 0):
+            made = socket.socket(kind)
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, os.name == "posix")
+            try:
+                made.bind((host, port))
+                return made
+            except (OSError, OverflowError) as error:
+                made.close()
+                if port != PORT or self.port is not None:
+                    raise ValueError(
+                        f"{host}, port {port} cannot be had ({error}); choose another by --port."
+                    ) from error
+        raise AssertionError("a free port is always tried")
+
+
+def app(case: str, folder: Path, address: Address, *, show: bool) -> int:
+    """Serve until Ctrl-C; show: whether a browser is opened.
+
+    Raises ValueError for a case or folder that cannot be used, for an address that cannot be had, and where
+    the extra is missing.
     """
-    case = find_case(request.case)
-    scenes = {one.name: one.scene for one in planned(case, request) if one.scene is not None}
-    figure, show = _window(f"turingfold {case.name}")
-    if words := coarseness(min(scene.body.elements_through_cortex for scene in scenes.values())):
-        warnings.warn(words, CoarseMeshWarning, stacklevel=2)
-    base = base_folder(case, request)
+    if missing := [name for name in NEEDED if find_spec(name) is None]:
+        raise ValueError(f'the app needs {" and ".join(missing)}: pip install "turingfold[app]"')
+    import uvicorn
 
-    def save(name: str, draw: Callable[[Figure], object]) -> Path:
-        path = base / f"{folder_name(name)}.png"
-        with save_figure(path) as canvas:
-            draw(canvas)
-        return path
+    from ..app.runs import Runs
+    from ..app.server import application
 
-    def command(scene: str, assignments: tuple[tuple[str, str], ...]) -> str:
-        words = tuple(word for name, value in assignments for word in ("--vary", f"{name}={value}"))
-        return replace(request, command=("sweep", *words) if words else ("run",), only=(scene,)).words()
-
-    window = App(figure, scenes, command=command, save=save)
-    show()
-    window.stop()
+    first = find_case(case)
+    choices = dict(choices_of(first, case))
+    runs = Runs(folder, most=max(2, os.cpu_count() or 1))
+    token = secrets.token_urlsafe(24) if address.token or address.host is not None else None
+    site = application(choices, runs, first=first.name, token=token)
+    with address.bound() as listening:
+        name, port = listening.getsockname()[:2]
+        name = {"0.0.0.0": socket.gethostname(), "::": socket.gethostname()}.get(name, name)
+        link = f"http://{f'[{name}]' if ':' in name else name}:{port}/" + (f"?token={token}" if token else "")
+        listening.listen()  # what the browser asks before the server is up waits
+        say(f"turingfold app: {link}\nresults: {folder}; Ctrl-C ends the app")
+        if show:
+            _open(link, port)
+        server = uvicorn.Server(uvicorn.Config(site, log_level="warning", server_header=False))
+        with suppress(KeyboardInterrupt):  # the usual end
+            server.run(sockets=[listening])
     return 0
 
 
-def _window(title: str) -> tuple[Figure, Callable[[], None]]:
-    """Return an empty window and what shows it until it is closed; raises ValueError without a display."""
-    from matplotlib import get_backend
+def choices_of(first: Case, given: str) -> Iterator[tuple[str, Choice]]:
+    """Yield the cases that come with the package, and first the one that was asked for."""
+    yield first.name, _choice(first, str(first.path) if Path(given).suffix else given)
+    for name, path in shipped().items():
+        if name != first.name:
+            try:
+                yield name, _choice(load_case(path), name)
+            except ValueError as error:  # the others can be shown all the same
+                complain(str(error))
 
-    remedy = (
-        "run it on a machine with a display and with one of matplotlib's window systems (Tk, Qt, GTK, wx, "
-        "macOS; MPLBACKEND=TkAgg chooses one), or vary parameters by turingfold sweep."
-    )
+
+def _choice(case: Case, given: str) -> Choice:
+    from ..app.choices import Choice
+
+    usual = {quick: values_of(case.module.scenes, {}, quick=quick) for quick in (True, False)}
+    scenes = partial(_scenes, case)
+    return Choice(case.name, case.title, given, case.path, case.parameters, usual, scenes, case.known)
+
+
+def _scenes(case: Case) -> list[str]:
     try:
-        from matplotlib import pyplot
+        return list(case.scenes({}, quick=True))
+    except OSError as error:
+        raise ValueError(f"{case.name} needs a file that is not here: {error.strerror or error}") from error
 
-        figure = pyplot.figure(num=title)
-    except (ImportError, RuntimeError) as error:  # by the window system that was asked for
-        raise ValueError(f"a window cannot be opened ({error}); {remedy}") from error
-    if figure.canvas.required_interactive_framework is None:
-        pyplot.close(figure)
-        nowhere = sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
-        backend = f"matplotlib's backend {get_backend()!r} opens no window"
-        raise ValueError(f"{'there is no display' if nowhere else backend}; {remedy}")
-    return figure, pyplot.show
+
+def _open(link: str, port: int) -> None:
+    """Open a browser, or say how to come by one where there is none."""
+    nowhere = sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
+    if nowhere or not webbrowser.open(link):
+        say(
+            "there is no browser here: open the address in one on this machine, or on your own after "
+            f"ssh -N -L {port}:{HERE}:{port} {socket.gethostname()}"
+        )

@@ -54,9 +54,10 @@ def _sensitivity(options: argparse.Namespace) -> int:
 
 
 def _app(options: argparse.Namespace) -> int:
-    from .app import app
+    from .app import Address, app
 
-    return app(_request(options, "app"))
+    address = Address(options.host, options.port, options.token)
+    return app(options.case, options.folder, address, show=not options.no_open)
 
 
 def _draw(options: argparse.Namespace) -> int:

@@ -56,8 +56,7 @@ def _done(options: argparse.Namespace) -> int:
     """Do it, in one thread if not asked otherwise, and say in words what fails."""
     for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
         os.environ[name] = str(options.threads)
-    if options.command != "app":  # a notebook's may not be installed here; files need none
-        os.environ["MPLBACKEND"] = "agg"
+    os.environ["MPLBACKEND"] = "agg"  # a notebook's may not be installed here; files need none
     logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
     from ..errors import SolveError
     from ..results.files import OutputError

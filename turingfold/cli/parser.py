@@ -97,7 +97,19 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     sensitivity.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
 
-    app = commands.add_parser("app", parents=[chosen, common], help="change a case's parameters in a window")
+    app = commands.add_parser(
+        "app", parents=[common], help="fold brains in the browser",
+        description="Serve a page in which the parameters of cases are changed, and what is run is drawn "
+        "while it folds. It answers this machine only; with --host or --token visitors must know a token.",
+    )  # fmt: skip
+    app.add_argument("case", nargs="?", default="figure3", metavar="CASE", help="shown first (figure3)")
+    app.add_argument("--port", type=_number, metavar="N", help="of the address (8765, or a free one)")
+    app.add_argument("--host", metavar="NAME", help="answer other machines too, such as 0.0.0.0 for all")
+    app.add_argument("--token", action="store_true", help="visitors must know a token, which is printed")
+    app.add_argument("--no-open", action="store_true", help="open no browser")
+    app.add_argument(
+        "--folder", type=Path, default=Path("results/app"), metavar="DIR", help="of the runs (results/app)"
+    )
     app.set_defaults(command="app")
 
     whole = _case_arguments(chosen=False)

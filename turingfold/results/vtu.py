@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..geometry.body import Body
 from ..state import State
+from .files import DAMAGE, CorruptFileError
 
 
 def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
@@ -39,6 +40,21 @@ def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
         file = Path(folder) / "frame.vtu"
         mesh.write(file, binary=True)
         return file.read_bytes()
+
+
+def arrays_of(file: Path) -> dict[str, Array]:
+    """Return what `frame` wrote: points (n, 3), triangles (e, 6), and the fields at nodes and in triangles.
+
+    Raises CorruptFileError where the file is missing or damaged.
+    """
+    import meshio
+
+    try:
+        mesh = meshio.vtu.read(file)
+    except (*DAMAGE, OSError, ElementTree.ParseError, meshio.ReadError) as error:
+        raise CorruptFileError(f"{file} cannot be read: {error or type(error).__name__}.") from error
+    cells = {name: values[0] for name, values in mesh.cell_data.items()}
+    return {"points": mesh.points, "triangles": mesh.cells[0].data, **mesh.point_data, **cells}
 
 
 def in_cells(body: Body, values: Array) -> Array:

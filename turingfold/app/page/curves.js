@@ -1,0 +1,43 @@
+// Small charts of numbers over time, as SVG.
+
+const WIDTH = 320, HEIGHT = 170, LEFT = 44, RIGHT = 12, TOP = 28, BOTTOM = 30;
+
+/** Return about `count` round numbers between two. */
+export function ticks(low, high, count) {
+  const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].find(k => k * power >= rough * 0.999) * power;
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(Number((k * step).toPrecision(12)));
+  return found;
+}
+
+function element(name, attributes, text) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
+/** Return a chart; series: [{points: [[x, y], ...], color, dash}], now: an x that is marked. */
+export function chart(title, label, series, until, now) {
+  const svg = element("svg", {viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": title});
+  svg.append(element("text", {x: 10, y: 17, class: "title"}, title));
+  const values = series.flatMap(one => one.points.map(point => point[1]));
+  let low = Math.min(...values), high = Math.max(...values);
+  if (!values.length) [low, high] = [0, 1];
+  if (high - low < 1e-6 * Math.abs(high) || high === low) [low, high] = [low - 0.05 * (Math.abs(low) || 1), high + 0.05 * (Math.abs(high) || 1)];
+  const x = t => LEFT + (WIDTH - LEFT - RIGHT) * t / until;
+  const y = v => HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (v - low) / (high - low);
+  for (const v of ticks(low, high, 4)) {
+    svg.append(element("line", {x1: LEFT, x2: WIDTH - RIGHT, y1: y(v), y2: y(v), class: "grid"}));
+    svg.append(element("text", {x: LEFT - 6, y: y(v) + 4, "text-anchor": "end"}, v.toString().length > 6 ? v.toExponential(0) : v));
+  }
+  for (const t of ticks(0, until, 5)) svg.append(element("text", {x: x(t), y: HEIGHT - 16, "text-anchor": "middle"}, t));
+  svg.append(element("text", {x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 3, "text-anchor": "middle"}, label));
+  if (now !== null) svg.append(element("line", {x1: x(now), x2: x(now), y1: TOP - 4, y2: HEIGHT - BOTTOM, stroke: "#b9c1ca"}));
+  for (const one of series) {
+    const points = one.points.map(([t, v]) => `${x(t).toFixed(1)},${y(v).toFixed(1)}`).join(" ");
+    svg.append(element("polyline", {points, fill: "none", stroke: one.color, "stroke-width": 1.8, "stroke-linejoin": "round", "stroke-dasharray": one.dash || ""}));
+  }
+  return svg;
+}

@@ -1,0 +1,222 @@
+"""Runs that pages start: each a command line in a process of its own, and a folder below one root.
+
+    ROOT/20260131-142500-a1b2c3/run.json     case, scene, values and command
+                               /log.txt      what the command complained of
+                               /CASE/SCENE/  its result, see `results.folder`
+
+Nothing is known of a run but what is in its folder: it outlives the page, and the server too.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import secrets
+import shlex
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from ..results.files import CorruptFileError, json_content, read_json, write_whole
+from ..results.lock import writer
+from ..results.reading import read_ending
+from .choices import Choice
+
+RUN = re.compile(r"\d{8}-\d{6}-[0-9a-f]{6}")
+SHOWN = 300  # runs in the list, the newest
+PATIENCE = 20  # s that an interrupted run has to write down where it stands
+TAIL = 4000  # bytes of what a run printed that are read
+NUMBERS = ("gyrification_index", "folds", "sulcal_depth", "energy", "growth")
+
+
+class UnknownRunError(LookupError):
+    """There is no such run."""
+
+
+class BusyError(ValueError):
+    """As many runs as may be are under way."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run on disk: its folder, and what was asked for."""
+
+    id: str
+    folder: Path
+    asked: Mapping[str, Any]
+
+    @property
+    def result(self) -> Path | None:
+        """The folder of its result, once there is one; never one behind a link."""
+        found = (file.parent for file in sorted(self.folder.glob("*/*/scene.json")))
+        return next((path for path in found if not (path.is_symlink() or path.parent.is_symlink())), None)
+
+    def complaint(self) -> str:
+        """Return the error that its command ended with, "" if it told none but that it was stopped."""
+        with suppress(OSError), (self.folder / "log.txt").open("rb") as file:
+            file.seek(max(0, os.fstat(file.fileno()).st_size - TAIL))
+            lines = file.read().decode(errors="replace").splitlines()
+            first = next((k for k, line in enumerate(lines) if _is_error(line)), None)
+            if first is not None:
+                words = " ".join(lines[first:]).removeprefix("turingfold: ")
+                return "" if words.startswith("stopped") else words
+        return ""
+
+
+def _is_error(line: str) -> bool:
+    return line.startswith("turingfold: ") and not line.startswith("turingfold: note: ")
+
+
+class Runs:
+    """The runs below a root folder; raises ValueError where that is no folder, or is a link.
+
+    most: runs at a time.
+    """
+
+    def __init__(self, root: Path, *, most: int) -> None:
+        if root.is_symlink() or (root.exists() and not root.is_dir()):
+            raise ValueError(f"folder={root} must be a folder, and no link; name another one.")
+        root.mkdir(parents=True, exist_ok=True)
+        self.root, self.most = root.resolve(), most
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._told: set[str] = set()  # to stop
+        self._lock = Lock()
+
+    def find(self, name: str) -> Run:
+        """Return a run by its id; raises UnknownRunError."""
+        folder = self.root / name
+        if RUN.fullmatch(name) and not folder.is_symlink() and folder.is_dir():
+            with suppress(CorruptFileError):
+                return Run(name, folder, read_json(folder / "run.json"))
+        raise UnknownRunError(f"there is no run {name[:40]!r}.")
+
+    def listed(self) -> list[dict[str, Any]]:
+        """Return the newest runs, newest first: what was asked for, how they stand, and their numbers."""
+        found = []
+        for name in sorted((path.name for path in self.root.iterdir()), reverse=True)[:SHOWN]:
+            with suppress(UnknownRunError):
+                run = self.find(name)
+                status, message = self.status(run)
+                found.append({**run.asked, "id": name, "status": status, "message": message, **numbers(run)})
+        return found
+
+    def begin(self, choice: Choice, scene: str, values: Mapping[str, Any], *, quick: bool) -> str:
+        """Start a run and return its id; raises ValueError for bad values, BusyError for too many runs."""
+        changed = choice.changed(values, quick=quick)
+        words = choice.words(scene, changed, quick=quick)
+        now = datetime.now().astimezone()
+        name = f"{now:%Y%m%d-%H%M%S}-{secrets.token_hex(3)}"
+        asked = {
+            "case": choice.name, "scene": scene, "values": changed, "quick": quick,
+            "began": now.isoformat(timespec="seconds"), "command": shlex.join(["turingfold", *words]),
+        }  # fmt: skip
+        with self._lock:
+            self._check_room()
+            (self.root / name).mkdir()
+            write_whole(self.root / name / "run.json", json_content(asked, signed=False))
+            self._start(Run(name, self.root / name, asked), words)
+        return name
+
+    def resume(self, run: Run, choice: Choice) -> None:
+        """Go on with a run that was stopped; raises ValueError for one that is under way or at its end."""
+        status, _ = self.status(run)
+        if status not in ("interrupted", "stopped"):
+            raise ValueError(f"the run is {status}; only one that was stopped can go on.")
+        asked = run.asked
+        changed = choice.changed(asked["values"], quick=bool(asked["quick"]))
+        words = choice.words(str(asked["scene"]), changed, quick=bool(asked["quick"]))
+        with self._lock:
+            self._check_room()
+            self._told.discard(run.id)
+            self._start(run, [*words, "--resume"])
+
+    def _check_room(self) -> None:
+        busy = sum(process.poll() is None for process in self._processes.values())
+        if busy >= self.most:
+            raise BusyError(f"{busy} runs are under way, as many as may be here; wait, or stop one.")
+
+    def _start(self, run: Run, words: Sequence[str]) -> None:
+        command = [sys.executable, "-P", "-m", "turingfold", *words, "--out", str(run.folder)]
+        with (run.folder / "log.txt").open("wb") as log:
+            # a session of its own: Ctrl-C in the server's terminal is the server's, which then stops its runs
+            self._processes[run.id] = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log,
+                start_new_session=True,
+            )  # fmt: skip
+
+    def status(self, run: Run) -> tuple[str, str]:
+        """Return how a run stands, and what to know about it.
+
+        "starting", "running", or its end: "refused" (bad input) or the status of a result.
+        """
+        result, alive = run.result, self._alive(run)
+        if result is None:
+            return ("starting", "") if alive else _unbegun(run)
+        if writer(result):
+            return "running", ""
+        try:
+            ending = read_ending(result)
+        except CorruptFileError as error:
+            return "damaged", str(error)
+        if alive and ending.status in ("interrupted", "stopped"):  # it takes or gives back its lock
+            return "running", ""
+        if ending.status == "interrupted" and not any((result / "states").glob("*.npz")):
+            return _unbegun(run)
+        return ending.status, ending.message
+
+    def _alive(self, run: Run) -> bool:
+        process = self._processes.get(run.id)
+        return process is not None and process.poll() is None
+
+    def stop(self, run: Run) -> None:
+        """Tell a run to stop, as Ctrl-C does: it writes down where it stands; a second time, end it."""
+        again = run.id in self._told
+        self._told.add(run.id)
+        if self._alive(run):
+            _tell(self._processes[run.id].pid, again=again)
+        elif run.result is not None and (found := _process(writer(run.result))):
+            _tell(found, again=again)  # of a server before this one
+
+    def close(self) -> list[str]:
+        """Stop the runs that this server has started, and return their ids."""
+        under_way = [name for name in self._processes if self._processes[name].poll() is None]
+        for name in under_way:
+            self.stop(self.find(name))
+        for name in under_way:
+            with suppress(subprocess.TimeoutExpired):
+                self._processes[name].wait(PATIENCE)
+        return under_way
+
+
+def _unbegun(run: Run) -> tuple[str, str]:
+    """Return how a run stands that has ended without a state."""
+    words = run.complaint()
+    return ("refused", words) if words else ("interrupted", "It was stopped before its first state.")
+
+
+def numbers(run: Run) -> dict[str, Any]:
+    """Return the numbers that a list shows of a run that has ended."""
+    if run.result is not None:
+        with suppress(CorruptFileError):
+            summary = read_json(run.result / "summary.json")
+            return {name: summary.get(name) for name in NUMBERS}
+    return {}
+
+
+def _tell(process: int, *, again: bool) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(process, signal.SIGTERM if again else signal.SIGINT)
+
+
+def _process(words: str) -> int | None:
+    """Return the process that a lock names, if it is one of this machine: the lock is held, so it lives."""
+    found = re.fullmatch(r"process (\d+) on (.*)", words)
+    return int(found[1]) if found and found[2] == platform.node() else None
