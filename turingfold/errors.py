@@ -28,6 +28,10 @@ class NotConvergedError(SolveError):
     """An equilibrium or steady state was not reached."""
 
 
+class RoundOffError(NotConvergedError):
+    """A residual that round-off keeps above the tolerance, whatever the step."""
+
+
 class InadmissibleStateError(SolveError):
     """A state with a non-finite value, an inverted element or an intersection."""
 

@@ -1,4 +1,5 @@
 """The march: step sizes, halving and growth of steps, untouched retries, limits, and typed errors."""
+import re
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -542,3 +543,32 @@ def test_after_a_snap_steps_are_as_long_as_before_it(body, monkeypatch):
     assert halved == pytest.approx([0.1, 0.05, 0.025, 0.0125])
     after = tried[snapped.index(True) + 4]
     assert after == (pytest.approx(0.4125), pytest.approx(0.1), 0)
+
+
+def test_a_step_far_shorter_than_the_latest_snaps_when_it_fails(body, monkeypatch):
+    attempt, tried = march_module._attempt, []
+
+    def hindered(problem, minimiser, progress, dt, began, *, snaps):
+        tried.append((dt, snaps))
+        if not snaps:
+            raise NotConvergedError("no way on")
+        return attempt(problem, minimiser, progress, dt, began, snaps=snaps)
+
+    made = scene(body, processes=(TangentialGrowth(cortex=1.1),), first=0.1, largest=0.1)
+    _, progress = run(made)[3]
+    monkeypatch.setattr(march_module, "_attempt", hindered)
+    next(march(made, replace(progress, dt=0.02)))
+    assert tried == [(0.02, False), (0.01, True)]  # an eighth of 0.1 is more than 0.01
+
+
+def test_a_tolerance_below_round_off_stops_the_march_at_once(body, monkeypatch):
+    attempt, tried = march_module._attempt, []
+    monkeypatch.setattr(march_module, "_attempt", lambda *a, **k: tried.append(a) or attempt(*a, **k))
+    made = scene(body, processes=(TangentialGrowth(cortex=1.3),), tolerance=1e-18)
+    with pytest.raises(NotConvergedError, match="round-off keeps the residual at") as caught:
+        run(made)
+    assert len(tried) == 1
+    assert tried[0][1].effort.iterations < 15
+    remedy = float(re.search(r"tolerance=([-.e0-9]+)\) or more", str(caught.value)).group(1))
+    assert 1e-16 < remedy < 1e-12
+    assert run(replace(made, stepping=Stepping(tolerance=remedy)))[-1][0].state.time == 1.0

@@ -4,11 +4,13 @@ import pytest
 from skfem import MeshTri2
 
 from turingfold.geometry.shapes import semiellipse
+from turingfold.growth.histories import Linear
 from turingfold.growth.laws import TangentialGrowth
 from turingfold.results.simulate import StoppedError, simulate
 from turingfold.scene import Scene
 from turingfold.stepping import Stepping
 from turingfold.terms.contact import SelfContact
+from turingfold.terms.dynamics import Inertia
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.terms.tension import AxonalTension
@@ -64,3 +66,43 @@ def test_no_state_with_triangles_turned_over_is_called_converged(extreme):
     assert not [(seed, said) for seed, said in enumerate(found) if said[0] == "converged" and said[1]]
     if not extreme:  # all come to their end, converged or marked as invalid
         assert not [(seed, said) for seed, said in enumerate(found) if said[0] == "stopped"]
+
+
+KINDS = ("nearly incompressible on a soft core", "shrinking", "tension that turns along", "in motion")
+
+
+def hard(kind, seed):
+    """Return a scene of a kind that used to stop though it has a solution."""
+    rng = np.random.default_rng([seed, KINDS.index(kind)])
+    aspect, share, peaks = rng.uniform(0.6, 1.4), rng.uniform(0.06, 0.12), int(rng.integers(8, 16))
+    thickness = RADIUS * min(share, 0.4 * aspect, 0.8 * aspect**2, 0.8 / aspect)
+    body = semiellipse(
+        width=2 * RADIUS, height=RADIUS * aspect, thickness=thickness, size=thickness / 2,
+        base=str(rng.choice(["clamped", "roller"])),
+    )  # fmt: skip
+    poisson, ratio, cortex = rng.uniform(0.3, 0.47), rng.uniform(0.7, 3.0), rng.uniform(1.5, 2.2)
+    pull = AxonalTension(strength=0.5 * rng.uniform(0.5, 2.0), patches=peaks)
+    until, stepping, more = 1.0, Stepping(seconds=600.0), ()
+    if kind == KINDS[0]:
+        poisson, ratio = rng.choice([0.495, 0.498, 0.4995]), np.exp(rng.uniform(*np.log([0.005, 0.1])))
+    elif kind == KINDS[1]:
+        cortex = rng.uniform(0.3, 0.6)
+    elif kind == KINDS[2]:
+        pull = AxonalTension(strength=2.0 * rng.uniform(0.5, 2.0), patches=peaks, follower=True)
+    else:
+        until, more = float(np.exp(rng.uniform(*np.log([0.05, 1.0])))), (Inertia(density=1100.0),)
+        stepping = Stepping(seconds=600.0, scheme="midpoint", first=0.02, largest=0.02)
+    gray, white = (NeoHookean.from_young(young, float(poisson)) for young in (1389.0, 1389.0 * ratio))
+    growing = TangentialGrowth(cortex=float(cortex), history=Linear(duration=until))
+    terms = (Elastic(gray=gray, white=white), pull, SelfContact(), *more)
+    return Scene(body=body, terms=terms, processes=(growing,), until=until, stepping=stepping)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_scenes_that_used_to_stop_reach_a_certified_end(kind, seed):
+    result = simulate(hard(kind, seed))
+    assert result.last.time == result.scene.until
+    assert result.history[-1]["negative_pivots"] == 0

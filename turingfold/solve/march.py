@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InadmissibleStateError, NotConvergedError, SolveError, StepTooLongError
+from ..errors import InadmissibleStateError, NotConvergedError, RoundOffError, SolveError, StepTooLongError
 from ..geometry.body import by_node
 from ..parts import TimeStep
 from ..scene import Scene
@@ -23,7 +24,7 @@ from .step_control import longest_next
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
-PATIENCE = 3  # times that a step is halved before the body snaps
+PATIENCE = 3  # times that a step is halved, or shorter than the latest, before the body snaps
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +78,12 @@ class Progress:
         """The latest equilibria and the present one."""
         return (*self.past, Past(self.state.time, self.state["displacement"]))
 
+    @property
+    def longest(self) -> float:
+        """The longest of the latest steps; 0 without any."""
+        times = [past.time for past in self.equilibria]
+        return max((after - before for before, after in pairwise(times)), default=0.0)
+
 
 def begin(scene: Scene, problem: Problem | None = None) -> Progress:
     """Return the progress before the first step, with the fields that the scene starts from."""
@@ -102,15 +109,17 @@ def march(
         minimiser.remember(problem.potentials(progress.state, last), progress.memory.point)
     minimiser.deadline = problem.deadline
     minimiser.effort.add("setting up", started)
-    failures, wanted = 0, progress.dt  # of the present step: how often it failed, and its length before that
+    failures = 0  # of the present step
     while progress.state.time < until * (1 - 1e-12):
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
         dt = _length(progress, stepping, until)
-        if not failures:
-            wanted = progress.dt
+        snaps = failures >= PATIENCE or bool(failures and dt < progress.longest / 2**PATIENCE)
         try:
-            step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=failures >= PATIENCE)
+            step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=snaps)
+        except RoundOffError as error:
+            words = f"The march stopped at t = {progress.state.time:.6g} of {until:g}: {error}."
+            raise NotConvergedError(words, time=progress.state.time, residual=error.residual) from error
         except StepTooLongError as error:
             if error.length < stepping.smallest * until:
                 raise _stopped(progress.state, until, error) from error
@@ -131,7 +140,7 @@ def march(
         failures, past = 0, progress.equilibria[-REMEMBERED:]
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
-            onward, past = wanted, ()
+            onward, past = max(progress.longest, dt), ()
         onward = min(onward, step.longest_next)
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..arrays import Array, Integers
-from ..errors import NotConvergedError
+from ..errors import NotConvergedError, RoundOffError
 from ..parts import Potential
 from .inertia import negative_pivots
 from .linear import NotPositiveDefinite, Solver, solver_for
@@ -22,6 +22,7 @@ NEAR = 3e-3  # of the way between two equilibria: a tangent made this close to t
 ARMIJO = 1e-4
 OF_LOAD, ROUND_OFF = 1e-3, 1e-13  # residuals that need no iteration: as a share of the load's, and at all
 SHORTEST = 2.0**-30
+FLOOR, PATIENCE = 1e-10, 4  # below this residual, so many full steps that do not halve it show round-off
 
 
 @dataclass
@@ -123,6 +124,7 @@ class Minimiser:
         self._convexity = 0 if memory is None else memory.convexity
         self._missed = float("inf") if memory is None else memory.missed
         self._tangent: Tangent | None = None
+        self._certifying: Tangent | None = None  # the last that was found positive definite at an equilibrium
 
     @property
     def memory(self) -> Memory:
@@ -140,15 +142,15 @@ class Minimiser:
         self._tangent = None if at is None else self._factorized(at, 0.0)
 
     def softest_mode(self, mass: csr_matrix, powers: int) -> Array:
-        """Return the eigenvector of the kept tangent and a mass matrix with the lowest eigenvalue, roughly.
+        """Return the eigenvector of the last minimum's tangent and a mass matrix of the lowest eigenvalue.
 
-        As (2 n_nodes,), by powers of the inverse; zero where no tangent is kept.
+        Roughly, as (2 n_nodes,), by powers of the inverse; zero where there was none yet.
         """
         mode, free = np.zeros(self.assembler.n_dofs), self.assembler.free
-        if self._tangent is not None:
+        if self._certifying is not None:
             mode[free] = np.random.default_rng(0).standard_normal(len(free))
             for _ in range(powers):
-                mode[free] = self._tangent.solver.solve((mass @ mode)[free])
+                mode[free] = self._certifying.solver.solve((mass @ mode)[free])
                 mode /= np.abs(mode).max()
         return mode
 
@@ -163,6 +165,7 @@ class Minimiser:
         start, at, guess = _lowest(potentials, x, predicted)
         tangent, self._tangent = self._tangent, None  # the one that certified the last equilibrium
         origin, before = None if tangent is None else tangent.point, float("inf")
+        least, idle = float("inf"), 0  # the least residual yet, and the iterations since it was halved
         if at.x is guess and self._missed < NEAR:
             tangent = None  # one made at a prediction as good as the last holds for the equilibrium, too
         for iteration in range(self.iterations + 1):
@@ -176,6 +179,10 @@ class Minimiser:
             if iteration == self.iterations:
                 break
             self._heed_deadline(residual)
+            idle = 0 if residual < 0.5 * least or residual > FLOOR or self._convexity else idle + 1
+            least = min(least, residual)
+            if idle > PATIENCE:
+                raise _rounded(least, self.tolerance)
             # a factorisation costs more than two steps: keep the last one while two at this rate will do
             if tangent is None or residual * (residual / before) ** 2 > self.tolerance:
                 tangent = self._factorized_convex(at)
@@ -235,9 +242,9 @@ class Minimiser:
             near = missed if last.point is guess else self._share(last, at.x, last.point, origin)
             self._missed = missed
             if near < NEAR and not at.is_condensed:
-                self._tangent = last
+                self._tangent = self._certifying = last
                 return 0
-        found = self._factorized(at, 0.0)
+        found = self._certifying = self._factorized(at, 0.0)
         # inner unknowns settle anew in the next step: their tangent is not the same to the last bit
         self._tangent = None if at.is_condensed else found
         if found is not None:
@@ -294,6 +301,14 @@ class Minimiser:
                 return end
             step *= 0.5
         raise NotConvergedError("no step along the Newton direction lowers the energy", residual=residual)
+
+
+def _rounded(residual: float, tolerance: float) -> RoundOffError:
+    return RoundOffError(
+        f"round-off keeps the residual at {residual:.2g}, above tolerance={tolerance:g}: no step brings it "
+        f"lower; take Stepping(tolerance={10.0 ** np.ceil(np.log10(10 * residual)):g}) or more",
+        residual=residual,
+    )
 
 
 def _lowest(

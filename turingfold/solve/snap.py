@@ -31,6 +31,7 @@ PATIENCE = 12  # iterations of a step of the flow
 EASY, QUICK = 8, 4  # iterations after which the viscosity falls, and falls fast
 FALLS, FALLS_FAST, RISES = 0.5, 0.1, 3.0
 PUSH, PUSHES = 0.05, 8  # away from a saddle: largest displacement in units of T, and how often
+RESTS, ABOVE = 1e-2, 1.5  # movement in units of T, and distance from a viscosity that was too small
 POWERS = 12  # iterations for the softest mode
 
 
@@ -55,20 +56,32 @@ class Creep:
 
         Raises NotConvergedError where the flow finds no way down, or takes too many steps.
         """
-        share, soft, pushes, failed = FIRST, np.zeros_like(x), 0, None
+        share = good = FIRST
+        floor, soft, pushes, failed = 0.0, np.zeros_like(x), 0, None
         for _ in range(STEPS):
-            viscous, before = share >= LEAST, minimiser.effort.iterations
+            share = share if share >= LEAST else 0.0
+            viscous, before = share > 0, minimiser.effort.iterations
             try:
-                found = self._step(minimiser, potentials, x, share if viscous else 0.0)
+                found = self._step(minimiser, potentials, x, share)
             except SolveError as error:
-                failed, share = error, max(share, LEAST) * RISES
+                failed, floor = error, share if viscous else good
+                share = floor * RISES
                 if minimiser.out_of_time or share > STIFFEST:
                     break
                 continue
             spent = minimiser.effort.iterations - before
+            moved = float(np.abs(found.x - x).max()) / self.thickness
             if viscous and found.stable:
+                good = share
                 x, soft = found.x, minimiser.softest_mode(self.mass.whole, POWERS)
                 share *= FALLS_FAST if spent <= QUICK else FALLS if spent <= EASY else 1.0
+                if moved > PUSH:
+                    floor = 0.0  # the energy is curved in another way here
+                elif moved < RESTS and floor:  # a mode that is hardly there yet may grow
+                    x, pushes = self._pushed(potentials, found, soft), pushes + 1
+                    floor = 0.0 if x is found.x else floor
+                # nothing grows and little moves: the minimum is near, if anywhere
+                share = max(share, ABOVE * floor) if floor or moved > RESTS else 0.0
             elif viscous:  # too little viscosity for the softest mode
                 x, share = found.x, share * RISES**2
                 if pushes < PUSHES:
@@ -97,15 +110,13 @@ class Creep:
             minimiser.iterations, minimiser.strict = allowed, False
 
     def _pushed(self, potentials: tuple[Potential, ...], found: Equilibrium, mode: Array) -> Array:
-        """Return the lower of the two places beside a saddle along a mode, (2 n_nodes,)."""
-        if not mode.any():  # no tangent was kept, as of condensed elements
-            mode = np.random.default_rng(0).standard_normal(len(mode))
+        """Return the lower of the two places beside an equilibrium along a mode, (2 n_nodes,), or itself."""
         size = float(np.hypot(*mode.reshape(-1, 2).T).max())
         push = PUSH * self.thickness / size * mode
         push = push * found.at.largest_step(push)
-        sides = [found.x + push, found.x - push]
-        energies = [_energy(potentials, side) for side in sides]
-        return sides[int(np.argmin(energies))] if np.isfinite(min(energies)) else found.x
+        sides = [found.x + share * push for share in (1.0, -1.0, 0.1, -0.1)]
+        lowest = min(sides, key=lambda side: _energy(potentials, side))
+        return lowest if _energy(potentials, lowest) < _energy(potentials, found.x) else found.x
 
 
 def _energy(potentials: tuple[Potential, ...], x: Array) -> float:
