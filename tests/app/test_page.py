@@ -93,7 +93,7 @@ def test_a_visit(page, browser, address):
     page.select_option("#field", "layer")
     assert picture(page) != last
     page.select_option("#field", "growth")
-    expect(page.locator("#runs li").first).to_contain_text("thickness 0.009")
+    expect(page.locator("#runs li").first).to_contain_text("thickness 9 mm")
 
     run(page, steps=1500)  # and stop, look again, go on, stop
     expect(page.locator("#left")).to_contain_text("left")

@@ -53,7 +53,8 @@ class Guard:
         origin = request.headers.get("origin")
         if origin is not None and urlsplit(origin).netloc != host:
             return PlainTextResponse("This request comes from a page of another site.", 403)
-        if request.headers.get("sec-fetch-site") in ("cross-site", "same-site") and request.method != "GET":
+        elsewhere = request.headers.get("sec-fetch-site") in ("cross-site", "same-site")
+        if elsewhere and request.url.path.startswith("/api/"):
             return PlainTextResponse("This request comes from a page of another site.", 403)
         if self._token is None:
             if _name(host) in LOOPBACK:

@@ -1,6 +1,6 @@
 // Small charts of numbers over time, as SVG.
 
-const WIDTH = 320, HEIGHT = 170, LEFT = 44, RIGHT = 12, TOP = 28, BOTTOM = 30;
+const LEFT = 44, RIGHT = 14, TOP = 34, BOTTOM = 36; // pixels
 
 /** Return about `count` round numbers between two. */
 export function ticks(low, high, count) {
@@ -18,10 +18,10 @@ function element(name, attributes, text) {
   return made;
 }
 
-/** Return a chart; series: [{points: [[x, y], ...], color, dash}], now: an x that is marked. */
-export function chart(title, label, series, until, now) {
+/** Return a chart of so many pixels; series: [{points: [[x, y], ...], color, dash}], now: an x that is marked. */
+export function chart(title, label, series, until, now, [WIDTH, HEIGHT]) {
   const svg = element("svg", {viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": title});
-  svg.append(element("text", {x: 10, y: 17, class: "title"}, title));
+  svg.append(element("text", {x: 12, y: 20, class: "title"}, title));
   const values = series.flatMap(one => one.points.map(point => point[1]));
   let low = Math.min(...values), high = Math.max(...values);
   if (!values.length) [low, high] = [0, 1];
@@ -32,9 +32,9 @@ export function chart(title, label, series, until, now) {
     svg.append(element("line", {x1: LEFT, x2: WIDTH - RIGHT, y1: y(v), y2: y(v), class: "grid"}));
     svg.append(element("text", {x: LEFT - 6, y: y(v) + 4, "text-anchor": "end"}, v.toString().length > 6 ? v.toExponential(0) : v));
   }
-  for (const t of ticks(0, until, 5)) svg.append(element("text", {x: x(t), y: HEIGHT - 16, "text-anchor": "middle"}, t));
-  svg.append(element("text", {x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 3, "text-anchor": "middle"}, label));
-  if (now !== null) svg.append(element("line", {x1: x(now), x2: x(now), y1: TOP - 4, y2: HEIGHT - BOTTOM, stroke: "#b9c1ca"}));
+  for (const t of ticks(0, until, 5)) svg.append(element("text", {x: x(t), y: HEIGHT - 21, "text-anchor": "middle"}, t));
+  svg.append(element("text", {x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 7, "text-anchor": "middle"}, label));
+  svg.append(element("line", {x1: x(now), x2: x(now), y1: TOP - 4, y2: HEIGHT - BOTTOM, stroke: "#b9c1ca"}));
   for (const one of series) {
     const points = one.points.map(([t, v]) => `${x(t).toFixed(1)},${y(v).toFixed(1)}`).join(" ");
     svg.append(element("polyline", {points, fill: "none", stroke: one.color, "stroke-width": 1.8, "stroke-linejoin": "round", "stroke-dasharray": one.dash || ""}));

@@ -33,7 +33,8 @@ function make(name, properties = {}, ...children) {
 }
 const round = (value, digits = 4) => Number(value.toPrecision(digits)).toString();
 const unitOf = one => SHOWN[one.unit] || [one.unit, 1];
-const usual = one => $("quick").checked ? one.quick : one.usual;
+// a preview has the coarse mesh of the quick version, but goes on to the end
+const usual = one => $("quick").checked && !one.name.startsWith("until") ? one.quick : one.usual;
 const valueOf = one => one.name in page.values ? page.values[one.name] : usual(one);
 
 // controls
@@ -141,7 +142,8 @@ async function refresh(run) {
   if (!frames.length) return;
   run.mesh ??= outlined(await arrays(`runs/${run.id}/mesh`), run.info.mirror);
   for (const step of run.frames.keys()) if (!frames.some(frame => frame.step === step)) run.frames.delete(step); // taken back
-  for (const {step} of frames.filter(frame => !run.frames.has(frame.step))) {
+  for (const {step} of [...frames.slice(-1), ...frames].filter(frame => !run.frames.has(frame.step))) {
+    if (run.frames.has(step)) continue; // the last, which comes first
     const fields = await arrays(`runs/${run.id}/frames/${step}`);
     run.frames.set(step, fields);
     const [l, b, r, t] = box(places(run.mesh, fields), run.mesh.mirror), old = run.box ?? [l, b, r, t];
@@ -166,21 +168,39 @@ async function select(slot, id) {
   await list();
 }
 
+/** Show a run of the list, and its values in the controls. */
+async function again(one) {
+  await select("a", one.id);
+  if (!page.cases.has(one.case)) return;
+  $("quick").checked = one.quick;
+  await choose(one.case, one.scene, {...one.values});
+}
+
 async function run() {
-  const {id} = await table("runs", {case: page.case.name, scene: page.scene, values: page.values, quick: $("quick").checked});
+  const until = page.case.parameters.filter(one => one.name.startsWith("until")).map(one => [one.name, valueOf(one)]);
+  const values = {...Object.fromEntries(until), ...page.values};
+  const {id} = await table("runs", {case: page.case.name, scene: page.scene, values, quick: $("quick").checked});
   await select("a", id);
+}
+
+/** Return the values of a run that differ from the case's, in words. */
+function changes({case: name, values}) {
+  const known = page.cases.get(name)?.parameters ?? [];
+  return Object.entries(values).map(([key, value]) => {
+    const [unit, factor] = unitOf(known.find(one => one.name === key) ?? {unit: ""});
+    return `${key.replaceAll("_", " ")} ${typeof value === "number" ? `${round(value / factor, 6)} ${unit}`.trim() : value === true ? "on" : value || "off"}`;
+  }).join(", ");
 }
 
 async function list() {
   const every = await table("runs");
   $("runs").replaceChildren(...every.map(one => {
-    const changes = Object.entries(one.values).map(([name, value]) => `${name} ${typeof value === "number" ? round(value, 6) : value}`).join(", ");
-    const item = make("li", {className: one.id === page.a?.id ? "shown" : one.id === page.b?.id ? "other" : "", onclick: trying(() => select("a", one.id)), title: one.message || one.command});
+    const item = make("li", {className: one.id === page.a?.id ? "shown" : one.id === page.b?.id ? "other" : "", onclick: trying(() => again(one)), title: one.message || one.command});
     item.dataset.run = one.id;
     const compare = one.id === page.a?.id ? "" : make("button", {textContent: one.id === page.b?.id ? "uncompare" : "compare", onclick: trying(event => { event.stopPropagation(); return select("b", one.id === page.b?.id ? null : one.id); })});
     const result = one.folds == null ? "" : `${one.folds} sulci, index ${one.gyrification_index.toFixed(2)}`;
     item.append(make("span", {textContent: `${one.case} · ${one.scene}`}), make("span", {className: `status ${one.status}`, textContent: one.status}),
-      make("small", {textContent: [one.began.slice(11, 16), changes, one.quick ? "preview" : "", result].filter(Boolean).join(" · ")}), compare);
+      make("small", {textContent: [one.began.slice(11, 16), changes(one), one.quick ? "preview" : "", result].filter(Boolean).join(" · ")}), compare);
     return item;
   }));
   if (!every.length) $("runs").append(make("li", {className: "empty", textContent: "none yet"}));
@@ -204,46 +224,51 @@ async function poll() {
 
 // what is shown
 
+/** Return the frame that is nearest to a share of a run's time; null until it is loaded. */
 function frameAt(run, share) {
-  const frames = (run.info?.frames ?? []).filter(frame => run.frames.has(frame.step));
   const distance = frame => Math.abs(frame.time / run.info.until - share);
-  return frames.length ? frames.reduce((best, frame) => distance(frame) <= distance(best) ? frame : best) : null;
+  const best = (run?.info?.frames ?? []).reduce((best, frame) => !best || distance(frame) <= distance(best) ? frame : best, null);
+  return best && run.frames.has(best.step) ? best : null;
 }
 
+const alike = () => page.a.info.length[1] === page.b.info.length[1]; // lengths in the same unit
+
+/** Return the numbers of a frame by name: [value, digits]. */
 function measured(run, frame) {
-  const curves = run.info.curves, row = frame.step - 1, [length, word] = run.info.length, at = name => row < 0 ? null : curves[name][row];
-  const plain = word === "T" ? "" : " J/m";
+  const row = frame.step - 1, [length, word] = run.info.length, at = name => row < 0 ? null : run.info.curves[name][row];
+  const long = value => value == null ? null : value / length;
   return {
-    "growth factor": [frame.step ? at("growth") : 1, "", 3], "sulci": [frame.folds, "", 0], "mean sulcal depth": [frame.folds ? frame.sulcal_depth / length : null, ` ${word}`, 2],
-    "gyrification index": [at("gyrification_index"), "", 3], "energy": [at("energy"), plain, 4], "smallest gap": [at("min_gap") === null ? null : at("min_gap") / length, ` ${word}`, 3],
+    "growth factor": [frame.step ? at("growth") : 1, 3], "sulci": [frame.folds, 0], [`mean sulcal depth, ${word}`]: [frame.folds ? long(frame.sulcal_depth) : null, 2],
+    "gyrification index": [at("gyrification_index"), 3], [word === "T" ? "energy" : "energy, J/m"]: [at("energy"), 4], [`smallest gap, ${word}`]: [long(at("min_gap")), 3],
   };
 }
-const written = ([value, unit, digits]) => value == null ? "–" : (unit.includes("J") ? round(value, 3) : value.toFixed(digits)) + unit;
 
 function numbers(frame, other) {
-  const rows = [], head = cells => make("tr", {}, ...cells.map(([text, name]) => make("th", {textContent: text, className: name ?? ""})));
-  const ours = measured(page.a, frame), theirs = other && measured(page.b, other);
-  if (theirs) rows.push(head([[""], ["this", "a"], ["other", "b"], ["difference"]]));
-  for (const [name, found] of Object.entries(ours)) {
-    const cells = [make("td", {textContent: name}), make("td", {textContent: written(found), className: theirs ? "" : "big"})];
+  const ours = measured(page.a, frame), theirs = other && measured(page.b, other), signed = text => text.replace("-", "−");
+  const written = (value, digits) => value == null ? "–" : signed(value.toFixed(digits));
+  const rows = Object.entries(ours).map(([name, [a, digits]]) => {
+    const cells = [make("td", {textContent: name}), make("td", {textContent: written(a, digits), className: theirs ? "" : "big"})];
     if (theirs) {
-      const [a, b] = [found[0], theirs[name][0]], comparable = a != null && b != null && found[1] === theirs[name][1];
-      const share = comparable && b ? ` (${a > b ? "+" : ""}${(100 * (a - b) / Math.abs(b)).toFixed(0)} %)` : "";
-      cells.push(make("td", {textContent: written(theirs[name])}), make("td", {textContent: comparable ? written([a - b, "", found[2]]).replace("-", "−") + share : "–"}));
+      const b = theirs[name]?.[0], share = b ? ` ${signed((100 * (a - b) / Math.abs(b)).toFixed(0))} %` : "";
+      cells.push(make("td", {textContent: written(b, digits)}), make("td", {textContent: a == null || b == null ? "–" : written(a - b, digits)}, make("small", {textContent: a == null || b == null ? "" : share})));
     }
-    rows.push(make("tr", {}, ...cells));
-  }
+    return make("tr", {}, ...cells);
+  });
+  if (theirs) rows.unshift(make("tr", {}, ...[["", ""], ["this", "a"], ["other", "b"], ["difference", ""]].map(([textContent, className]) => make("th", {textContent, className}))));
   $("numbers").replaceChildren(...rows);
   $("numbers").dataset.compared = theirs ? "yes" : "no";
 }
 
 function curves(frame, other) {
-  const [unit, word] = page.a.info.length, line = (run, points, second) => ({points: points.filter(point => point[1] != null).map(([t, v]) => [t / run.info.until * page.a.info.until, v]), color: second ? "#d55e00" : "#0072b2", dash: second ? "5 3" : ""});
-  const both = points => [page.a, ...(other ? [page.b] : [])].map((run, k) => line(run, points(run), k === 1));
+  const word = page.a.info.length[1], runs = other ? [page.a, page.b] : [page.a], until = page.a.info.until;
   const column = name => run => run.info.curves.time.map((t, k) => [t, run.info.curves[name][k]]);
-  const depth = run => run.info.frames.map(one => [one.time, one.folds ? one.sulcal_depth / unit : 0]);
-  const titles = [["Gyrification index", column("gyrification_index")], [`Mean sulcal depth, ${word}`, depth], [word === "T" ? "Energy" : "Energy, J/m", column("energy")]];
-  $("curves").replaceChildren(...titles.map(([title, points]) => chart(title, "time, in durations of growth", both(points), page.a.info.until, frame?.time ?? null)));
+  const depth = run => run.info.frames.map(one => [one.time, one.folds ? one.sulcal_depth / run.info.length[0] : 0]);
+  const charts = [["Gyrification index", column("gyrification_index")], [`Mean sulcal depth, ${word}`, depth], [word === "T" ? "Energy" : "Energy, J/m", column("energy")]];
+  $("curves").replaceChildren(...charts.map(([title, points], which) => {
+    const some = which && other && !alike() ? [page.a] : runs;
+    const series = some.map((run, k) => ({points: points(run).filter(point => point[1] != null).map(([t, v]) => [t / run.info.until * until, v]), color: k ? "#d55e00" : "#0072b2", dash: k ? "5 3" : ""}));
+    return chart(title, "time", series, until, frame.time, [($("curves").clientWidth - 20) / 3, $("curves").clientHeight]);
+  }));
 }
 
 function progress() {
@@ -280,13 +305,16 @@ function show() {
     $("field").replaceChildren(...there.map(value => make("option", {value, textContent: FIELDS[value].title})));
     if (there.includes(before)) $("field").value = before;
   }
-  const other = page.b?.mesh ? frameAt(page.b, frame.time / run.info.until) : null, field = $("field").value;
+  const share = frame.time / run.info.until, other = frameAt(page.b, share), field = $("field").value;
   const {growth} = run.info.curves, caption = `${run.info.case}, ${run.info.scene}: ${frame.label ? `${frame.label}, ` : ""}growth ${(frame.step ? growth[frame.step - 1] ?? 1 : 1).toFixed(2)}, ${frame.folds} sulci`;
   const view = {mesh: run.mesh, fields, field, limits: field === "layer" ? [0, 1] : run.limits[field], box: run.box, unit: run.info.length, stress: run.info.stress, before: $("outline").checked, caption};
   if (other) {
+    const apart = Math.abs(other.time / page.b.info.until - share) > 0.02 && `at time ${round(other.time, 3)}`;
+    view.legend = `other: ${[`${page.b.info.case}, ${page.b.info.scene}`, changes(page.b.info), apart].filter(Boolean).join(", ")}`;
+  }
+  if (other && alike()) {
     view.other = {mesh: page.b.mesh, fields: page.b.frames.get(other.step)};
     view.box = run.box.map((v, k) => k < 2 ? Math.min(v, page.b.box[k]) : Math.max(v, page.b.box[k]));
-    view.legend = `compared with ${page.b.info.case}, ${page.b.info.scene}`;
   }
   draw($("picture"), view);
   $("picture").dataset.step = frame.step;
@@ -320,11 +348,14 @@ function keep(frame) {
     make("button", {textContent: "PNG", title: "The picture as it is here", onclick: () => $("picture").toBlob(blob => save(`${info.case}-${id}-${frame.step}.png`, blob))}),
     file("PDF", "section.pdf", "The section as a figure for print", `?step=${frame.step}&field=${field}`), file("Film", "film.gif", "The folding as a film (GIF); takes some seconds"),
     file("CSV", "history.csv", "Numbers of every step"), file("ParaView", "frames.zip", "Fields of the stored states (VTU, PVD)"), file("Case", "case.py", "The file of the case"),
-    make("button", {textContent: "Copy command", title: info.command, onclick: trying(() => copy(info.command))}));
+    make("button", {textContent: "Copy command", title: info.command, onclick: trying(event => copy(info.command, event.target))}));
 }
 
-async function copy(text) {
+async function copy(text, button) {
   try { await navigator.clipboard.writeText(text); } catch { throw new Error(`Copy it by hand: ${text}`); }
+  const before = button.textContent;
+  button.textContent = "Copied";
+  setTimeout(() => { button.textContent = before; }, 1200);
 }
 
 // playing
@@ -350,7 +381,7 @@ async function begin() {
   $("run").onclick = trying(run);
   $("stop").onclick = trying(() => table(`runs/${page.a.id}/stop`, {}));
   $("resume").onclick = trying(async () => { await table(`runs/${page.a.id}/resume`, {}); await select("a", page.a.id); });
-  $("link").onclick = trying(() => copy(location.href));
+  $("link").onclick = trying(event => copy(location.href, event.target));
   $("field").onchange = $("outline").onchange = show;
   $("time").oninput = () => { page.live = Number($("time").value) >= $("time").max; pause(); show(); };
   $("play").onclick = play;
@@ -360,7 +391,7 @@ async function begin() {
   await trying(() => openLink(first))();
   for (const [slot, id] of [["a", a], ["b", b]]) if (id) await trying(() => select(slot, id))();
   await list();
-  setInterval(() => list().catch(() => {}), LIST);
+  setInterval(() => document.hidden || list().catch(() => {}), LIST);
   poll();
 }
 
