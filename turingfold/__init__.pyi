@@ -96,6 +96,7 @@ from .stability.buckling import Buckling as Buckling
 from .stability.buckling import buckling as buckling
 from .state import State as State
 from .stepping import Stepping as Stepping
+from .studies.sampling import latin_hypercube as latin_hypercube
 from .studies.sweep import varied as varied
 from .terms.active import ActiveStress as ActiveStress
 from .terms.boundary_loads import BoundaryLoads as BoundaryLoads

@@ -122,12 +122,34 @@ def test_dynamics_is_inertia_from_rest_in_seconds_with_a_second_in_which_it_dies
 
 def test_a_body_that_grows_evenly_on_rollers_is_free_of_stress():
     # one material and one factor along and across: the body is 1.2 times as large, F* = 1 in the plane
-    (path,) = [path for path in CASES if path.stem == "hypotheses"]
-    scene = load_case(path).scenes({"base": "roller"}, quick=True)["none"]
-    result = simulate(scene)
-    body, modulus = scene.body, scene.terms[0].gray.mu
+    scene, found = parts(base="roller", two_layers=False, tension=False, pattern=False)
+    even = TangentialGrowth(cortex=1.2, core=1.2, radial_core=1.2, radial_cortex=1.2)
+    result = simulate(replace(scene, processes=(even,)))
+    body, modulus = scene.body, found["Elastic"].gray.mu
     np.testing.assert_allclose(result.last["displacement"], 0.2 * body.nodes, atol=1e-9 * body.length)
     assert np.abs(result.observe()["von_mises"]).max() < 1e-8 * modulus
+
+
+def test_hypotheses_differ_by_one_thing_each_and_growth_is_in_all_eight():
+    (path,) = [path for path in CASES if path.stem == "hypotheses"]
+    case = load_case(path)
+    scenes = {name.partition(", seed")[0]: one for name, one in case.scenes({}, quick=True).items()}
+    assert len(scenes) == 9
+    kinds = {
+        name: {type(part).__name__: part for part in (*one.processes, *one.terms)}
+        for name, one in scenes.items()
+    }
+    growths = ("TangentialGrowth", "Swelling", "Imperfection", "SelfContact")
+    eight = [found for name, found in kinds.items() if "no growth" not in name]
+    assert all(found[name] == eight[0][name] for found in eight for name in growths)
+    for name, found in kinds.items():
+        assert ("DGH" in name) == (found["Elastic"].white is not None)
+        assert ("ATH" in name) == ("AxonalTension" in found)
+        assert ("IPH" in name) == ("Turing" in found)
+    still = kinds["DGH + ATH + IPH, no growth"]
+    assert still["TangentialGrowth"].cortex == 1.0
+    same = set(kinds["DGH + ATH + IPH"]) - {"TangentialGrowth", "Swelling"}
+    assert all(still[name] == kinds["DGH + ATH + IPH"][name] for name in same)
 
 
 @pytest.mark.parametrize("path", [slow_if_long(path) for path in CASES])

@@ -464,3 +464,31 @@ def test_a_case_makes_its_scenes_once(tmp_path, monkeypatch, command):
     more = ["--vary", "TangentialGrowth.cortex=1.1,1.2"] if command == "sweep" else []
     assert main([command, "own.py", *more]) == 0
     assert Path("made").read_text() == "x"
+
+
+TABLE = '''
+
+def table(results):
+    """Return one row."""
+    (one,) = results.values()
+    return [{"name": "grows", "growth": one.summary()["growth"], "chance": None}]
+'''
+
+
+def test_the_table_of_a_case_is_written_as_csv_and_markdown(written, tmp_path, capsys):
+    name = written(GROWS)
+    (tmp_path / name).write_text((tmp_path / name).read_text() + TABLE)
+    assert main(["run", name]) == 0
+    assert "table: results/tiny/table.md" in capsys.readouterr().out
+    markdown = (tmp_path / "results/tiny/table.md").read_text()
+    assert markdown == "| name | growth | chance |\n| --- | --- | --- |\n| grows | 1.2 | - |\n"
+    assert (tmp_path / "results/tiny/table.csv").read_text().splitlines()[0] == "name,growth,chance"
+
+
+@pytest.mark.parametrize("wrong", ["[]", "[{'a': 1}, {'b': 1}]", "[1]", "None"])
+def test_a_table_that_is_no_rows_is_refused(written, tmp_path, capsys, wrong):
+    name = written(GROWS)
+    text = (tmp_path / name).read_text() + f"\n\ndef table(results):\n    return {wrong}\n"
+    (tmp_path / name).write_text(text)
+    assert main(["run", name]) == 2
+    assert "must return a list of dicts with the same keys" in " ".join(capsys.readouterr().err.split())

@@ -11,8 +11,9 @@ from .case import check_apart, find_case, folder_name
 from .figure import save_figure
 from .plan import Planned, base_folder, planned
 from .request import Request, Running
-from .run import finished, outcomes, write_table
+from .run import finished, outcomes
 from .status import say
+from .table import write_table
 
 TABLE = "accuracy.csv"
 

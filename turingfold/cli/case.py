@@ -76,6 +76,11 @@ class Case:
         """Its function that computes arrays from results, for `draw` to draw, if it has one."""
         return getattr(self.module, "computed", None)
 
+    @property
+    def table(self) -> Callable[[dict[str, Result]], object] | None:
+        """Its function that sums up results as rows, dicts with the same keys, if it has one."""
+        return getattr(self.module, "table", None)
+
     def scenes(self, given: Mapping[str, Any], *, quick: bool) -> dict[str, Scene]:
         """Return its scenes by name, with some parameters given; to make them may take long."""
         with explained(self.path):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import sys
 import warnings
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,6 @@ from typing import Any
 from ..figures.sections import areas
 from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
-from ..results.files import write_whole
 from ..results.folder import check_folder
 from ..results.result import Result, Row, length_unit, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
@@ -33,6 +30,7 @@ from .plan import (
 )
 from .request import Interrupted, Request, Running
 from .status import BAD_INPUT, STOPPED, complain, say
+from .table import write_case_table
 from .workers import Job, Outcome, Report, run_jobs
 
 STATUSES = {
@@ -64,6 +62,8 @@ def run(request: Request, running: Running) -> int:
         results[name] = read_result(base / folder_name(name), known=case.known)
     results = {name: results[name] for name in every}
     compute(case, results, base, keep=running.resume)
+    if table := write_case_table(case, results, base):
+        say(f"table: {table}")
     say(f"figure: {drawn(case, results, request, apart=bool(request.assigned))}")
     return status
 
@@ -118,15 +118,6 @@ def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
         elif end.message:
             complain(f"{end.name}: {end.message}")
     return max((STATUSES[end.status] for end in ends), default=0)
-
-
-def write_table(path: Path, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a table as CSV, at once; None is written as nothing."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(columns)
-    table.writerows(rows)
-    write_whole(path, text.getvalue().encode())
 
 
 def draw(request: Request) -> Path:

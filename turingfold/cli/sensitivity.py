@@ -18,8 +18,9 @@ from .figure import save_figure
 from .parser import MEASURES
 from .plan import base_folder, planned
 from .request import Request, Running
-from .run import finished, outcomes, write_table
+from .run import finished, outcomes
 from .status import say
+from .table import write_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -17,8 +17,9 @@ from .case import Case, check_apart, find_case, folder_name
 from .figure import save_figure
 from .plan import Planned, base_folder, has_result, planned
 from .request import Assignments, Request, Running
-from .run import finished, outcomes, write_table
+from .run import finished, outcomes
 from .status import say
+from .table import write_table
 from .workers import Outcome
 
 TABLE = "sweep.csv"

@@ -1,0 +1,53 @@
+"""Tables as CSV; that of a case, by its function table(results), also as Markdown."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..results.files import write_whole
+from ..results.result import Result
+from .case import Case, explained
+
+FILES = "table.csv", "table.md"
+
+
+def write_case_table(case: Case, results: Mapping[str, Result], base: Path) -> Path | None:
+    """Write the table of a case beside its results; return the Markdown file, None for a case without one.
+
+    Raises ValueError for what is no list of dicts with the same keys.
+    """
+    if case.table is None:
+        return None
+    with explained(case.path):
+        rows: Any = case.table(dict(results))
+    if not rows or not all(isinstance(row, dict) and row.keys() == rows[0].keys() for row in rows):
+        raise ValueError(f"{case.path}: table(results) must return a list of dicts with the same keys.")
+    columns = list(rows[0])
+    write_table(base / FILES[0], columns, (row.values() for row in rows))
+    write_whole(base / FILES[1], as_markdown(columns, rows).encode())
+    return base / FILES[1]
+
+
+def write_table(path: Path, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a table as CSV, at once; None is written as nothing."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    table.writerows(rows)
+    write_whole(path, text.getvalue().encode())
+
+
+def as_markdown(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return rows as a table in Markdown: numbers to three digits, nothing as a dash."""
+    lines = [columns, ["---"] * len(columns), *([_shown(row[name]) for name in columns] for row in rows)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.3g}" if isinstance(value, float) else str(value).replace("|", "\\|")
