@@ -55,6 +55,7 @@ LocalError = Annotated[float, Parameter("T", 1e-5, 1, "largest error of a step, 
 Damping = Annotated[float, Parameter("s", 0, 10, "damping stress over the rate of elastic stress")]
 Density = Annotated[float, Parameter("kg/m³", 1, 2e4, "density")]
 Pace = Annotated[float, Parameter("", 1e-3, 1e6, "time of the kinetics in the time of growth")]
+WeekCurve = Annotated[str, Parameter(label="share of growth by week", choices=("wang", "gompertz"))]
 Samples = Annotated[int, Parameter("", 1, 10_000, "samples of what is uncertain")]
 Seed = Annotated[int, Parameter("", 0, 2**31, "seed of what is random")]
 
