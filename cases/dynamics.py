@@ -24,8 +24,8 @@ def scenes(
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 3,
     base: p.Base = "clamped", seed: p.Seed = 0, density: p.Density = 1100.0, damping: p.Damping = 0.01,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
-    cortex: p.Cortex = 2.4, core: p.Core = 1.1, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.15,
-    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 1.0,
+    cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.75,
     local_error: p.LocalError = 0.02,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)

@@ -18,9 +18,9 @@ def scenes(
     width: p.Width = 2 * 0.0404, height: p.Height = 0.74 * 0.0404, thickness: p.Thickness = 2.5e-3,
     elements: p.Elements = 6, base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
-    cortex: p.Cortex = 2.4, core: p.Core = 1.1, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.15,
+    cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
     growth_law: p.GrowthLaw = "prescribed",
-    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 1.0,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.75,
     tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True,
     loads: p.Loads = "tension", dynamics: p.Dynamics = False, duration: p.Duration = 10.0,
 ):  # fmt: skip

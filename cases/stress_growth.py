@@ -2,7 +2,7 @@
 
     turingfold run cases/stress_growth.py      draws figures/stress_growth.png
 
-The scene of Figure 3 with three cores: one that does not grow; one that grows by 10 % in both directions;
+The scene of Figure 3 with three cores: one that does not grow; one that grows by 5 % and 10 %, as in Figure 3;
 and one whose white matter grows along the stress that it bears, at the rate 1 over its shear modulus in the
 time of growth (Bayly et al. 2013), with 40, 80 and 160 equal steps. The inner core swells in all of them.
 """
@@ -21,20 +21,21 @@ def scenes(
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 3,
     base: p.Base = "clamped", seed: p.Seed = 0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
-    cortex: p.Cortex = 2.4, core: p.Core = 1.1, swelling: p.Swelling = 0.15, rate: p.StressRate = 1.0,
-    half_waves: p.HalfWaves = None, strength: p.Strength = 1.0,
+    cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
+    rate: p.StressRate = 1.0,
+    half_waves: p.HalfWaves = None, strength: p.Strength = 0.75,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
 
-    def scene(*, steps=20, core=1.0, law="prescribed"):
+    def scene(*, steps=20, core=1.0, across=1.0, law="prescribed"):
         made = human.brain(
             body, young_gray=young_gray, young_white=young_white, poisson=poisson, cortex=cortex, core=core,
-            radial_core=core, swelling=swelling, growth_law=law, stress_rate=rate, half_waves=half_waves,
+            radial_core=across, swelling=swelling, growth_law=law, stress_rate=rate, half_waves=half_waves,
             strength=strength, seed=seed,
         )  # fmt: skip
         return replace(made, stepping=Stepping(first=1 / steps, largest=1 / steps))
 
-    found = {"core that does not grow": scene(), "core that grows as prescribed": scene(core=core)}
+    found = {"core that does not grow": scene(), "core that grows as prescribed": scene(core=core, across=radial_core)}
     for steps in (10, 20) if quick else STEPS:
         found[f"core that grows by stress, {steps} steps"] = scene(steps=steps, law="stress")
     return found

@@ -23,7 +23,7 @@ def scenes(
     base: p.Base = "roller", seed: p.Seed = 0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 3.3, core: p.Core = 1.5, radial_core: p.RadialCore = 1.5, swelling: p.Swelling = 0.0,
-    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 1.0,
+    kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.75,
     dynamics: p.Dynamics = True, duration: p.Duration = 10.0, curve: p.WeekCurve = "wang",
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)

@@ -38,9 +38,9 @@ HALF_WAVE = 2.115  # width of a half wave in thicknesses of the cortex: 24 of th
 
 def brain(
     body: Body, *, young_gray: float = 1389.0, young_white: float = 1895.0, poisson: float = 0.4583,
-    two_layers: bool = True, cortex: float = 2.4, core: float = 1.1, radial_core: float = 1.1,
-    swelling: float = 0.15, growth_law: str = "prescribed", stress_rate: float = 1.0,
-    kinetics: str = "Schnakenberg", half_waves: int | None = None, strength: float = 1.0,
+    two_layers: bool = True, cortex: float = 2.3, core: float = 1.05, radial_core: float = 1.1,
+    swelling: float = 0.2, growth_law: str = "prescribed", stress_rate: float = 1.0,
+    kinetics: str = "Schnakenberg", half_waves: int | None = None, strength: float = 0.75,
     pattern: bool = True, tension: bool = True, loads: str = "tension", dynamics: bool = False,
     duration: float = 10.0, density: float = 1100.0, damping: float = 0.01, local_error: float = 0.02,
     ages: Weeks | None = None, stops: tuple[float, ...] = (), seed: int = 0,
@@ -94,7 +94,7 @@ def tissue(
 
 
 def growth(
-    body: Body, *, cortex: float = 2.4, core: float = 1.1, radial_core: float = 1.1, swelling: float = 0.15,
+    body: Body, *, cortex: float = 2.3, core: float = 1.05, radial_core: float = 1.1, swelling: float = 0.2,
     law: str = "prescribed", solid: Elastic | None = None, rate: float = 1.0, history: History | None = None,
     duration: float = 1.0,
 ) -> tuple[Process, ...]:  # fmt: skip
