@@ -4,8 +4,8 @@
 
 Half a brain slice of the 28th gestational week: radius 40.4 mm, cortex 2.5 mm, gray 1389 Pa, white 1895 Pa.
 The cortex grows by 130 % along its surface, the core by 5 % along it and 10 % across, and its inner half
-swells by 20 % more: values chosen by cases/growth_of_the_core.py. The pattern has 24 half waves: 11 peaks, and half a
-peak at each end of the pial surface. Without pattern the axons pull equally at as many places.
+swells by 20 % more: values chosen by cases/growth_of_the_core.py. The pattern has 24 half waves: 11 peaks,
+and half a peak at each end of the pial surface. Without pattern the axons pull equally at as many places.
 
     --set core=1 --set radial_core=1 --set swelling=0 --set cortex=1.9      only the cortex grows
     --set growth_law=stress   the core grows in response to the stress that it bears

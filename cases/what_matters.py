@@ -12,11 +12,14 @@ the sulcal depth by a fifth more.
 
 import numpy as np
 
-from turingfold import Scene, SelfContact, TangentialGrowth, figures, human, run_case, semicircle, sensitivity
+from turingfold import figures, human, run_case, semicircle, sensitivity
 from turingfold import parameters as p
 
 MODULI = {"Young's modulus, gray": ("gray", 289 / 1389), "Young's modulus, white": ("white", 592 / 1895)}
-OTHERS = {"growth of the cortex": "TangentialGrowth.cortex", "tension of axons": "AxonalTension.strength"}
+OTHERS = {
+    "growth of the cortex": "TangentialGrowth.cortex", "growth of the core": "TangentialGrowth.core",
+    "tension of axons": "AxonalTension.strength",
+}  # fmt: skip
 MEASURES = {"gyrification_index": (1.0, ""), "perimeter": (1e3, " mm"), "sulcal_depth": (1e3, " mm")}
 STORED = "per_cent", "numbers", "deviations"
 
@@ -25,15 +28,12 @@ STORED = "per_cent", "numbers", "deviations"
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
-    poisson: p.Poisson = 0.4583, cortex: p.Cortex = 1.9, half_waves: p.HalfWaves = None,
-    strength: p.Strength = 0.5,
+    poisson: p.Poisson = 0.4583, cortex: p.Cortex = 2.3, half_waves: p.HalfWaves = None,
+    strength: p.Strength = 0.75,
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements)
-    half_waves = half_waves or human.half_waves(body)
-    morphogens, pull = human.pattern_and_pull(half_waves=half_waves, strength=strength)
-    processes = (*morphogens, TangentialGrowth(cortex=cortex))
-    terms = (human.tissue(poisson=poisson), *pull, SelfContact())
-    return {"end": Scene(body=body, processes=processes, terms=terms)}
+    scene = human.brain(body, poisson=poisson, cortex=cortex, half_waves=half_waves, strength=strength)
+    return {"end": scene}
 
 
 def computed(results):
