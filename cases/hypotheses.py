@@ -26,7 +26,7 @@ HYPOTHESES = "DGH", "ATH", "IPH"
 STILL = "DGH + ATH + IPH, no growth"
 
 
-@p.quick(elements=2, thickness=5e-3)
+@p.quick(elements=2, thickness=5e-3, cortex=1.9)
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 3,

@@ -15,7 +15,7 @@ from turingfold import parameters as p
 STEPS = (40, 80, 160)
 
 
-@p.quick(elements=2, thickness=5e-3)
+@p.quick(elements=2, thickness=5e-3, cortex=1.9)
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 3,

@@ -3,10 +3,10 @@
     turingfold run cases/turing_growth.py      draws figures/turing_growth.png
 
 Left: Schnakenberg's kinetics on a strip that grows as exp(0.01 t), with dilution; half waves double at each
-doubling of its length (Crampin, Gaffney, Maini 1999). Right: the body of Figure 3 with a cortex that grows alone, and with more growth,
-each with the steady pattern of the undeformed band and with one that goes on reacting on the moving tissue;
-and two whose reactions run faster, or slower, by the stretch of the tissue: faster ones double the waves, and
-the cortex folds otherwise.
+doubling of its length (Crampin, Gaffney, Maini 1999). Right: the body of Figure 3, of which
+the cortex alone grows, by two factors, each with the steady pattern of the undeformed band and with one that
+goes on reacting on the moving tissue; and two whose reactions run faster, or slower, by the stretch of the
+tissue: faster ones double the waves, and the cortex folds otherwise.
 """
 
 import numpy as np

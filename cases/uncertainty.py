@@ -20,7 +20,7 @@ MEASURES = {
 PERCENTILES = 5, 25, 50, 75, 95
 
 
-@p.quick(samples=4, thickness=5e-3)
+@p.quick(samples=3, thickness=5e-3, elements=3)
 def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 2,
