@@ -408,10 +408,6 @@ def test_a_path_does_not_depend_on_the_arc():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError,
-    reason="each chord that meets another bends the path: 12 turns are found near the second of 2",
-)
 def test_contact_turns_the_path_forward_again():
     """Without contact the crease closes at ever less growth; with it the body snaps to touching walls."""
     scene = growing(SelfContact())

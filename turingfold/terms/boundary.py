@@ -42,6 +42,15 @@ def boundary_edges(body: Body) -> Integers:
     return np.stack([start, body.mesh.nvertices + facets, end])
 
 
+def tissue_left(body: Body, edges: Integers) -> Booleans:
+    """Return whether the body lies to the left of the way along each boundary edge, (3, m)."""
+    start, middle, end = edges
+    triangles = body.mesh.t[:, body.mesh.f2t[0, middle - body.mesh.nvertices]]
+    within = body.nodes[:, triangles.sum(axis=0) - start - end] - body.nodes[:, start]
+    along = body.nodes[:, end] - body.nodes[:, start]
+    return np.asarray(along[0] * within[1] - along[1] * within[0] > 0)
+
+
 def stays_straight(body: Body, edges: Integers) -> Booleans:
     """Return whether each edge, (3, m), lies on a level or upright line that none of its nodes can leave."""
     held = np.zeros((body.nodes.shape[1], 2), dtype=bool)
@@ -50,12 +59,12 @@ def stays_straight(body: Body, edges: Integers) -> Booleans:
     return np.asarray((held[edges].all(0) & flat).any(1))
 
 
-def counts(lengths: Array, bend: float, deviation: float) -> Integers:
-    """Return how many chords stay within `deviation` of edges bent by up to `bend` of their lengths.
+def counts(bends: Array, deviation: float) -> Integers:
+    """Return how many chords stay within `deviation` of edges.
 
-    The bend of an edge is b = x₀ - 2 x_m + x₁; k chords of equal ξ leave it by |b|/(2 k²) at most.
+    bends: |b| = |x₀ - 2 x_m + x₁| of each, (m,); k chords of equal ξ leave it by |b|/(2 k²) at most.
     """
-    return np.ceil(np.sqrt(0.5 * bend * lengths / deviation)).astype(np.int64)
+    return np.ceil(np.sqrt(0.5 * bends / deviation)).astype(np.int64)
 
 
 def chords(edges: Integers, k: Integers, moving: int) -> Chords:

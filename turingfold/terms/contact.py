@@ -2,7 +2,8 @@
 
 The barrier and the continuous collision detection are ipctk's (incremental potential contact, Li et al.
 2020). They see chords of the quadratic boundary edges, several to an edge and all moved by its three nodes;
-walls keep apart by what the chords miss of the curves. At the two ends of the pial surface of a clamped,
+walls keep apart by what the chords miss of the curves. Where two edges with a common node fold together, a
+barrier on the angle between them does the same. At the two ends of the pial surface of a clamped,
 rolling or mirrored body the base (or mirror) line continues outward as an obstacle.
 """
 
@@ -14,21 +15,23 @@ from functools import cached_property
 import ipctk
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import kron
-from scipy.spatial import cKDTree
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..checks import finite_array, positive
-from ..geometry.body import Body
-from ..geometry.quadratic import distance, gap
+from ..geometry.body import Body, by_node
+from ..geometry.quadratic import bend
 from ..parts import Entries, Evaluation, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
-from .boundary import boundary_edges, chords, counts, neighbours, stays_straight
+from .boundary import boundary_edges, counts, stays_straight, tissue_left
+from .creases import creases
 from .obstacles import Obstacle, continued, joined
+from .walls import Walls
 
-BEND = 0.5  # of its length: how far a boundary edge may bend before its chords miss more than half of APART
+BEND = 0.1  # of its length: how far a boundary edge may bend before its chords miss more than half of APART
 APART = 0.05  # of dhat, which chords always keep between them
-ROOM = 3.0  # shortest distances between nodes: edges this close get places in the matrix
+SOON = 3.0  # shortest distances between nodes: edges this close get places in the matrix
+FEWEST, MOST = 4, 32  # chords of an edge
+MISSED = 1.  # times what chords keep apart: they miss a bent edge by no more before it is made of more
 MEETINGS = {
     "body": ("itself", "outlines that keep their distance"),
     "base": ("the line on which its base continues", "base_line=False"),
@@ -79,7 +82,7 @@ class SelfContact(Term):
 
 
 class ContactOperator(Operator):
-    """The collision mesh of one body: in units of the body's length, about its centre."""
+    """The boundary of one body: in units of the body's length, about its centre."""
 
     def __init__(self, body: Body, term: SelfContact) -> None:
         ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
@@ -87,29 +90,23 @@ class ContactOperator(Operator):
         start, middle, end = body.nodes.T[boundary]
         shortest = float(min(np.hypot(*(middle - one).T).min() for one in (start, end)))
         self.unit, self.dhat = body.length, term.gap * shortest / body.length
-        self.apart, self.reach = APART * self.dhat, ROOM * shortest / body.length
+        self.shortest, self.apart = shortest / body.length, APART * self.dhat
         self.nodes, edges = np.unique(boundary, return_inverse=True)
         fixed, fixed_edges, names = joined(_obstacles(body, term, shortest), self.nodes)
         self.names = ["body"] * boundary.shape[1] + names  # of what each edge belongs to
         self.edges = np.concatenate([edges.reshape(3, -1), fixed_edges], axis=1)
-        k = counts(np.hypot(*(end - start).T), BEND, 0.5 * self.apart * self.unit)
-        k[stays_straight(body, boundary)] = 1
-        k = np.append(k, np.ones_like(fixed_edges[0]))
-        self.chords = chords(self.edges, k, len(self.nodes))
+        self.straight = np.append(stays_straight(body, boundary), np.ones(fixed_edges.shape[1], dtype=bool))
         centre = body.nodes.mean(axis=1)
         self.rest = (np.concatenate([body.nodes.T[self.nodes], fixed]) - centre) / self.unit
-        at_rest = np.asfortranarray(self.chords.share @ self.rest)
-        self.mesh = ipctk.CollisionMesh(at_rest, np.asfortranarray(self.chords.pieces.astype(np.int32)))
-        near = neighbours(at_rest, self.chords.pieces, shortest / self.unit)
-        wall = ipctk.make_sparse_filter(dict.fromkeys(map(tuple, near.tolist()), False), True)
-        self.mesh.can_collide = ipctk.make_static_obstacle_filter(self.chords.moving) & wall
-        # its slope at half of dhat is 4.33 dhat³ in ipctk's units, and 5.3 where neighbouring chords act too
-        self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (5.3 * self.dhat**3))
+        lengths = np.hypot(*(self.rest[self.edges[2]] - self.rest[self.edges[0]]).T)
+        self.counts = self._counts(BEND * lengths, 0.5)
+        self.walls = self._walls(self.counts)
+        self.creases = creases(self.edges, tissue_left(body, boundary), self.rest, term.gap, term.stiffness)
+        # its slope at half of dhat is 4.33 dhat³ in ipctk's units, and 4.63 where neighbouring chords act too
+        self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (4.63 * self.dhat**3))
         self.dofs = (2 * self.nodes[:, None] + np.arange(2)).ravel()
         self.n_dofs = body.nodes.size
-        share = self.chords.share[: self.chords.moving, : len(self.nodes)]
-        self.share = kron(share, np.eye(2), format="csr")
-        self._check_rest(at_rest, centre)
+        self._check_rest(self.walls.positions(self.rest), centre)
 
     def moved(self, x: Array) -> Array:
         """Return the nodes of boundary and obstacles, (n, 2), at the displacement x."""
@@ -117,49 +114,31 @@ class ContactOperator(Operator):
         points[: len(self.nodes)] += x[self.dofs].reshape(-1, 2) / self.unit
         return points
 
-    def positions(self, x: Array) -> Array:
-        """Return the vertices of the chords, (v, 2), at the displacement x."""
-        positions: Array = np.asfortranarray(self.chords.share @ self.moved(x))
-        return positions
+    def _counts(self, bends: Array, missed: float) -> Integers:
+        """Return of how many chords each edge is made, 4, 8, 16 ..., or 1 if it cannot bend.
 
-    def collisions(self, positions: Array, reach: float) -> ipctk.NormalCollisions:
-        """Return the pairs closer than `reach`, beside what they keep apart anyway."""
-        found = ipctk.NormalCollisions()
-        found.use_area_weighting = True
-        found.build(self.mesh, positions, reach, self.apart, ipctk.SweepAndPrune())
-        return found
+        bends: of each edge, (m,).  missed: times what chords keep apart: how far they may be from edges.
+        """
+        needed = np.maximum(counts(bends, missed * self.apart), FEWEST)
+        rounded = FEWEST * 2 ** np.ceil(np.log2(needed / FEWEST)).astype(np.int64)
+        return np.where(self.straight, 1, np.minimum(rounded, MOST))
 
-    def smallest_gap(self, x: Array) -> float:
-        """Return the smallest distance between curved walls closer than 2 dhat, m, or NaN without any."""
-        points, positions, chords = self.moved(x), self.positions(x), self.chords
-        found = self.collisions(positions, 2 * self.dhat)
-        if found.empty():
-            return float("nan")
-        pairs = [(c.vertex_id, *chords.pieces[c.edge_id], c.edge_id) for c in found.ev_collisions]
-        pairs += [(c.vertex0_id, *2 * (c.vertex1_id,), -1) for c in found.vv_collisions]
-        vertex, start, end, piece = np.array(pairs).T
-        gaps = distance(*(positions[k].T for k in (vertex, start, end)))
-        one = chords.edge[vertex]
-        other = np.where(piece < 0, chords.edge[end], chords.edge_of[piece])
-        xi, eta = chords.place[vertex], np.where(piece < 0, chords.place[end], chords.place_of[piece])
-        # places on edges with a common node would run together there
-        curved = ~(self.edges[:, None, one] == self.edges[:, other]).any((0, 1))
-        edges = points[self.edges].transpose(0, 2, 1)
-        gaps[curved] = gap(edges[..., one[curved]], edges[..., other[curved]], xi[curved], eta[curved])
-        return float(gaps.min()) * self.unit
+    def _walls(self, numbers: Integers) -> Walls:
+        return Walls(self.edges, numbers, self.rest, len(self.nodes), self.apart, self.shortest)
 
     def _check_rest(self, at_rest: Array, centre: Array) -> None:
         """Raise ValueError where walls cross at rest or are closer than dhat."""
-        if ipctk.has_intersections(self.mesh, at_rest):
+        walls = self.walls
+        if walls.cross(at_rest):
             raise ValueError(
                 "SelfContact: the undeformed boundary crosses itself; repair the outline, or use smaller "
                 "elements where its walls are close."
             )
-        found = self.collisions(at_rest, self.dhat)
+        found = walls.collisions(at_rest, self.dhat)
         if found.empty():
             return
-        vertices = [v for v in found[0].vertex_ids(self.mesh.edges, self.mesh.faces) if v >= 0]
-        met, remedy = MEETINGS[self.names[self.chords.edge[vertices].max()]]  # obstacles come last
+        vertices = [v for v in found[0].vertex_ids(walls.mesh.edges, walls.mesh.faces) if v >= 0]
+        met, remedy = MEETINGS[self.names[walls.chords.edge[vertices].max()]]  # obstacles come last
         x, y = at_rest[min(vertices)] * self.unit + centre
         raise ValueError(
             f"SelfContact: the undeformed boundary comes closer to {met} than dhat = "
@@ -167,8 +146,18 @@ class ContactOperator(Operator):
         )
 
     def during(self, state: State, step: TimeStep) -> ContactPotential:
-        """Return the barrier; it does not change from step to step."""
-        return ContactPotential(self, float(state["stress_scale"]) * self.unit**2)
+        """Return the barrier; edges that bend far are made of more chords than at rest."""
+        points = self.moved(by_node(state["displacement"]))
+        bends = np.hypot(*bend(points[self.edges].transpose(0, 2, 1)))
+        numbers = np.maximum(self.counts, self._counts(bends, MISSED))
+        if (numbers > self.counts).any():
+            finer = self._walls(numbers)
+            # where those are too close to each other to begin with, the coarser ones go on
+            if not finer.collisions(finer.positions(points), 1e-3 * self.dhat).empty():
+                finer = self.walls
+        else:
+            finer = self.walls
+        return ContactPotential(self, finer, float(state["stress_scale"]) * self.unit**2)
 
 
 @dataclass(frozen=True)
@@ -176,30 +165,36 @@ class ContactPotential(Potential):
     """The barrier energy as a function of the displacement; `scale` is the unit of energy, J/m."""
 
     operator: ContactOperator
+    walls: Walls
     scale: float
 
     def evaluate(self, x: Array) -> ContactEvaluation:
         """Return energy and derivatives at x."""
-        return ContactEvaluation(self.operator, self.scale, x)
+        return ContactEvaluation(self.operator, self.walls, self.scale, x)
 
 
 class ContactEvaluation(Evaluation):
     """Barrier energy at one displacement."""
 
-    def __init__(self, operator: ContactOperator, scale: float, x: Array) -> None:
-        positions = operator.positions(x)
-        self.operator, self.scale, self.x, self.positions = operator, scale, x, positions
-        self.collisions = operator.collisions(positions, operator.dhat)
-        self.has_hessian = not self.collisions.empty()
-        self.energy = scale * float(operator.barrier(self.collisions, operator.mesh, positions))
+    def __init__(self, operator: ContactOperator, walls: Walls, scale: float, x: Array) -> None:
+        self.operator, self.walls, self.scale, self.x = operator, walls, scale, x
+        self.points = operator.moved(x)
+        self.positions = walls.positions(self.points)
+        self.collisions = walls.collisions(self.positions, operator.dhat)
+        self.crease = operator.creases.at(self.points)
+        self.has_hessian = not (self.collisions.empty() and self.crease.empty)
+        apart = float(operator.barrier(self.collisions, walls.mesh, self.positions))
+        self.energy = scale * (apart + self.crease.energy)
         self.round_off = 1e-15 * self.energy
 
     @cached_property
     def _forces(self) -> Array:
-        operator = self.operator
-        forces = operator.barrier.gradient(self.collisions, operator.mesh, self.positions)
-        scale = self.scale / operator.unit
-        return np.asarray(operator.share.T @ forces[: operator.share.shape[0]]) * scale
+        operator, share = self.operator, self.walls.share
+        forces = operator.barrier.gradient(self.collisions, self.walls.mesh, self.positions)
+        by_node = np.zeros_like(operator.rest)
+        by_node[: len(operator.nodes)] = (share.T @ forces[: share.shape[0]]).reshape(-1, 2)
+        self.crease.add_forces(by_node)
+        return np.asarray(by_node[: len(operator.nodes)].ravel() * (self.scale / operator.unit))
 
     def gradient(self) -> tuple[Array, float]:
         """Return the nodal forces and the sum of squares of the contact forces."""
@@ -212,37 +207,38 @@ class ContactEvaluation(Evaluation):
 
     def hessian(self, convexity: float) -> Hessian:
         """Return the barrier's Hessian, clamped to be semi-definite where convexity is asked for."""
-        operator = self.operator
+        operator, share = self.operator, self.walls.share
         method = ipctk.PSDProjectionMethod.CLAMP if convexity > 0 else ipctk.PSDProjectionMethod.NONE
-        full = operator.barrier.hessian(self.collisions, operator.mesh, self.positions, method)
-        n = operator.share.shape[0]  # obstacles come after the boundary
-        by_node = (operator.share.T @ full[:n, :n].tocsr() @ operator.share).tocoo()
-        used = by_node.col <= by_node.row
-        places = Entries(operator.dofs[by_node.row[used]], operator.dofs[by_node.col[used]])
-        values = by_node.data[used] * (self.scale / operator.unit**2)
+        full = operator.barrier.hessian(self.collisions, self.walls.mesh, self.positions, method)
+        n = share.shape[0]  # obstacles come after the boundary
+        by_node = (share.T @ full[:n, :n].tocsr() @ share).tocoo()
+        folding = self.crease.hessian(convexity > 0)
+        rows, columns, values = (
+            np.concatenate([one, other.ravel()])
+            for one, other in zip((by_node.row, by_node.col, by_node.data), folding, strict=True)
+        )
+        used = (columns <= rows) & (rows < len(operator.dofs))  # nodes of obstacles come last
+        places = Entries(operator.dofs[rows[used]], operator.dofs[columns[used]])
+        values = values[used] * (self.scale / operator.unit**2)
         return Hessian(places, values, constant=False, expected=self._expected)
 
     def largest_step(self, direction: Array) -> float:
         """Return nine tenths of the step at which walls would first come too close, at most 1."""
-        operator, start = self.operator, self.positions
-        end = operator.positions(self.x + direction)
+        end = self.operator.moved(self.x + direction)
         if not np.isfinite(end).all():
             return 0.0  # ipctk would answer that nothing is in the way
-        pairs = ipctk.Candidates()
-        pairs.build(operator.mesh, start, end, 0.5 * operator.apart, ipctk.SweepAndPrune())
-        if pairs.is_step_collision_free(operator.mesh, start, end, operator.apart):
-            return 1.0
-        return 0.9 * float(pairs.compute_collision_free_stepsize(operator.mesh, start, end, operator.apart))
+        free = self.walls.largest_step(self.positions, self.walls.positions(end))
+        return min(free, self.operator.creases.largest_step(self.points, end))
 
     def measure(self) -> dict[str, float]:
         """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""
-        return {"min_gap": self.operator.smallest_gap(self.x)}
+        operator = self.operator
+        return {"min_gap": self.walls.smallest_gap(self.points, 2 * operator.dhat) * operator.unit}
 
     def _expected(self) -> Entries:
         """Return the entries of all pairs of edges that could come into contact before long."""
-        operator, chords = self.operator, self.operator.chords
-        tree = cKDTree(self.positions[: chords.moving])
-        pairs = np.unique(chords.edge[tree.query_pairs(operator.reach, output_type="ndarray")], axis=0)
+        operator = self.operator
+        pairs = self.walls.close_edges(self.positions, SOON * operator.shortest)
         nodes = operator.nodes[operator.edges[:, pairs]].swapaxes(0, 1).reshape(len(pairs), 6)
         dofs = np.sort((2 * nodes[..., None] + np.arange(2)).reshape(len(pairs), 12), axis=1)
         columns, rows = np.triu_indices(12)
