@@ -34,7 +34,6 @@ class Choice:
         return {
             "name": self.name,
             "title": self.title,
-            "command": self.given,
             "parameters": [self._described(one) for one in self.parameters.values()],
         }
 
@@ -42,7 +41,7 @@ class Choice:
         low, high = (bound if math.isfinite(bound) else None for bound in (one.meaning.low, one.meaning.high))
         return {
             "name": one.name, "kind": one.kind.__name__, "unit": one.meaning.unit, "low": low, "high": high,
-            "label": one.meaning.label, "choices": one.meaning.choices, "range": one.range,
+            "label": one.meaning.label, "choices": one.meaning.choices,
             "usual": self.usual[False][one.name], "quick": self.usual[True][one.name],
         }  # fmt: skip
 

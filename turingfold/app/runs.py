@@ -139,7 +139,8 @@ class Runs:
             self._start(run, [*words, "--resume"])
 
     def _check_room(self) -> None:
-        busy = sum(process.poll() is None for process in self._processes.values())
+        # others that live have their result, and draw its figure
+        busy = sum(self.status(run)[0] in ("starting", "running") for run in self._living())
         if busy >= self.most:
             raise BusyError(f"{busy} runs are under way, as many as may be here; wait, or stop one.")
 
@@ -185,15 +186,17 @@ class Runs:
         elif run.result is not None and (found := _process(writer(run.result))):
             _tell(found, again=again)  # of a server before this one
 
-    def close(self) -> list[str]:
-        """Stop the runs that this server has started, and return their ids."""
-        under_way = [name for name in self._processes if self._processes[name].poll() is None]
-        for name in under_way:
-            self.stop(self.find(name))
-        for name in under_way:
+    def _living(self) -> list[Run]:
+        return [run for name in self._processes if self._alive(run := Run(name, self.root / name, {}))]
+
+    def close(self) -> None:
+        """Stop the runs that this server has started, and wait until each has stored where it stands."""
+        living = self._living()
+        for run in living:
+            self.stop(run)
+        for run in living:
             with suppress(subprocess.TimeoutExpired):
-                self._processes[name].wait(PATIENCE)
-        return under_way
+                self._processes[run.id].wait(PATIENCE)
 
 
 def _unbegun(run: Run) -> tuple[str, str]:

@@ -32,7 +32,7 @@ export function chart(title, label, series, until, now, [WIDTH, HEIGHT]) {
     svg.append(element("line", {x1: LEFT, x2: WIDTH - RIGHT, y1: y(v), y2: y(v), class: "grid"}));
     svg.append(element("text", {x: LEFT - 6, y: y(v) + 4, "text-anchor": "end"}, v.toString().length > 6 ? v.toExponential(0) : v));
   }
-  for (const t of ticks(0, until, 5)) svg.append(element("text", {x: x(t), y: HEIGHT - 21, "text-anchor": "middle"}, t));
+  for (const t of ticks(0, until, Math.min(5, WIDTH / 60))) svg.append(element("text", {x: x(t), y: HEIGHT - 21, "text-anchor": "middle"}, t));
   svg.append(element("text", {x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 7, "text-anchor": "middle"}, label));
   svg.append(element("line", {x1: x(now), x2: x(now), y1: TOP - 4, y2: HEIGHT - BOTTOM, stroke: "#b9c1ca"}));
   for (const one of series) {

@@ -263,7 +263,7 @@ function curves(frame, other) {
   const word = page.a.info.length[1], runs = other ? [page.a, page.b] : [page.a], until = page.a.info.until;
   const column = name => run => run.info.curves.time.map((t, k) => [t, run.info.curves[name][k]]);
   const depth = run => run.info.frames.map(one => [one.time, one.folds ? one.sulcal_depth / run.info.length[0] : 0]);
-  const charts = [["Gyrification index", column("gyrification_index")], [`Mean sulcal depth, ${word}`, depth], [word === "T" ? "Energy" : "Energy, J/m", column("energy")]];
+  const charts = [["Gyrification index", column("gyrification_index")], [`Sulcal depth, ${word}`, depth], [word === "T" ? "Energy" : "Energy, J/m", column("energy")]];
   $("curves").replaceChildren(...charts.map(([title, points], which) => {
     const some = which && other && !alike() ? [page.a] : runs;
     const series = some.map((run, k) => ({points: points(run).filter(point => point[1] != null).map(([t, v]) => [t / run.info.until * until, v]), color: k ? "#d55e00" : "#0072b2", dash: k ? "5 3" : ""}));

@@ -119,7 +119,7 @@ export function draw(canvas, view) {
   [canvas.width, canvas.height] = [width, height];
   const g = canvas.getContext("2d"), {mesh, fields, field} = view, place = places(mesh, fields);
   const image = g.createImageData(width, height), pixels = new Uint32Array(image.data.buffer).fill(0xffffffff);
-  const [l, b, r, t] = view.box, [room, roof, floor] = [96 * scale, 40 * scale, 52 * scale];
+  const [l, b, r, t] = view.box, [room, roof, floor] = [96 * scale, (view.legend ? 60 : 40) * scale, 48 * scale];
   const zoom = Math.min((width - room - 30 * scale) / (r - l), (height - roof - floor) / (t - b));
   const x0 = (width - room) / 2 - zoom * (l + r) / 2, y0 = (height + roof - floor) / 2 + zoom * (b + t) / 2;
   const signs = mesh.mirror ? [1, -1] : [1], [low, high] = view.limits;
@@ -158,7 +158,7 @@ export function draw(canvas, view) {
   g.textBaseline = "middle";
   g.fillStyle = INK;
   g.fillText(view.caption, 14 * scale, 20 * scale);
-  if (view.legend) { g.fillStyle = RED; g.textAlign = "right"; g.fillText(view.legend, width - 14 * scale, 20 * scale); g.textAlign = "left"; }
+  if (view.legend) { g.fillStyle = RED; g.fillText(view.legend, 14 * scale, 41 * scale); }
   rule(g, view, zoom, scale, height);
   bar(g, view, scale, width, height);
 }
