@@ -26,29 +26,44 @@ def self_intersections(points: Any, *, closed: bool | None = None, quadratic: bo
     vertex counts once; a contact closer than that may count as none or two.
     """
     curve = as_polyline(points, closed)
-    shift = np.random.default_rng(0).uniform(-1e-12, 1e-12, curve.points.shape)
-    start = curve.points - curve.points.mean(axis=1, keepdims=True)
-    start = start / np.abs(start).max() + shift
+    start = _unsettled(curve.points)
     if quadratic:
         if curve.size % 2 == curve.closed:
             raise ValueError(
                 f"points has {curve.size} points; the nodes of quadratic segments are an "
                 f"{'even' if curve.closed else 'odd'} number: a vertex and a middle by turns."
             )
-        return _curved_crossings(np.hstack((start, start[:, :1])) if curve.closed else start)
+        size = curve.size
+        first = np.arange(0, size - (not curve.closed), 2)
+        return _curved_crossings(start[:, [first, first + 1, (first + 2) % size]].swapaxes(0, 1))
     pairs = _near_pairs(curve)
     end = np.roll(start, -1, axis=1)[:, : curve.lengths.size]
     i, j = pairs.T
     return int(_cross(start[:, i], end[:, i], start[:, j], end[:, j]).sum())
 
 
-def _curved_crossings(nodes: Array) -> int:
-    """Return the number of crossings of quadratic segments through vertex, middle, vertex ... (2, 2 m + 1).
+def edge_crossings(points: Array, edges: Integers) -> int:
+    """Return how often quadratic edges through nodes at `points` (2, n) cross each other.
+
+    edges: start, middle and end node of each, (3, m); as `self_intersections` counts.
+    """
+    used, local = np.unique(edges, return_inverse=True)
+    return _curved_crossings(_unsettled(points[:, used])[:, local.reshape(edges.shape)].swapaxes(0, 1))
+
+
+def _unsettled(points: Array) -> Array:
+    """Return points (2, n) about their centre, in units of their extent, each moved by 1e-12 or less."""
+    start = points - points.mean(axis=1, keepdims=True)
+    shift = np.random.default_rng(0).uniform(-1e-12, 1e-12, points.shape)
+    return np.asarray(start / np.abs(start).max() + shift)
+
+
+def _curved_crossings(curves: Array) -> int:
+    """Return the number of crossings of quadratic segments, (3, 2, m).
 
     Pairs are halved as long as they may meet: a part of length h in ξ leaves its chord by |b| h²/2 at most,
     with b = x₀ - 2 x_m + x₁.
     """
-    curves = np.stack((nodes[:, :-2:2], nodes[:, 1:-1:2], nodes[:, 2::2]))
     bent = np.hypot(*bend(curves))
     hull = np.stack((curves[0], 2 * curves[1] - 0.5 * (curves[0] + curves[2]), curves[2]))
     low, high = hull.min(axis=0), hull.max(axis=0)
@@ -60,7 +75,7 @@ def _curved_crossings(nodes: Array) -> int:
         missed = 0.5 * h * h * (bent[i] + bent[j])
         near = _cross(a, b, c, d) | (_gap(a, b, c, d) <= missed)
         done = missed <= FLAT
-        joined = (b == c).all(axis=0) | (a == d).all(axis=0)
+        joined = np.any([(p == q).all(axis=0) for p in (a, b) for q in (c, d)], axis=0)
         found += int(np.sum(_cross(a, b, c, d) & done & ~joined))
         halve = near & ~done
         h = 0.5 * h

@@ -8,6 +8,7 @@ from ..arrays import Array, Booleans
 from ..geometry.body import Body
 from ..geometry.triangles import folded_over
 from ..state import State
+from ..terms.boundary import boundary_edges
 from .surface import along_pial, pial_closed
 
 
@@ -57,7 +58,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     from ..morphometry.polyline import InnerWall
     from ..morphometry.registration import registration_null
     from ..morphometry.shape import gyrification_index
-    from ..morphometry.walls import mirror_error, self_intersections
+    from ..morphometry.walls import mirror_error
 
     rest, pial = (along_pial(body, (body.nodes + u)[:, body.pial]) for u in (0.0, state["displacement"]))
     pattern, closed = pial_pattern(body, state), pial_closed(body)
@@ -68,7 +69,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     symmetric = mirror_error(rest) <= 1e-9 * body.length
     return {
         "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
-        "self_intersections": self_intersections(pial, closed=closed, quadratic=True),
+        "self_intersections": crossings(body, state["displacement"]),
         "gyrification_index": gyrification_index(pial, closed=closed),
         "closed_gyrification_index": (
             None if inner else gyrification_index(pial, closing=radius, closed=closed)
@@ -90,23 +91,14 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
     Folds are those of the `_surfaces` of all pieces of tissue, their depth the mean over all sulci. The
     gyrification index is the length of all parts, with closed-off sulci, over that of the surfaces' hulls.
     """
-    import shapely
-
     from ..morphometry.folds import find_folds
-    from ..morphometry.walls import self_intersections
 
     parts = _parts(body, state["displacement"])
     folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in _surfaces(parts)]
-    lines = [shapely.LineString(np.hstack((pial, pial[:, : int(closed)])).T) for pial, closed in parts]
-    crossings = sum(self_intersections(pial, closed=closed) for pial, closed in parts) + sum(
-        len(shapely.get_coordinates(one.intersection(other)))
-        for k, one in enumerate(lines)
-        for other in lines[:k]
-    )
     count = sum(found.count for found in folds)
     return {
         "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
-        "self_intersections": crossings,
+        "self_intersections": crossings(body, state["displacement"]),
         "gyrification_index": gyrification(body, state["displacement"]),
         "closed_gyrification_index": None,
         "closing_radius": None,
@@ -118,6 +110,13 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
         "registration": None,
         "registration_p": None,
     }
+
+
+def crossings(body: Body, displacement: Array) -> int:
+    """Return how often the deformed boundary, whose edges are curved, crosses itself."""
+    from ..morphometry.walls import edge_crossings
+
+    return edge_crossings(body.nodes + displacement, boundary_edges(body))
 
 
 def _parts(body: Body, displacement: Array) -> list[tuple[Array, bool]]:

@@ -48,7 +48,8 @@ class Result:
     history: a row per accepted step, by column name; NaN where something does not exist.
     status: "converged": the end of the scene was reached; "stopped": no further step was possible;
     "interrupted": by Ctrl-C or a kill; "running": still, in another process; "invalid": the end was reached,
-    but through at least one state that is none of a body: one with `inverted_elements` in the history.
+    but through at least one state that is none of a body: with `inverted_elements`, or `self_intersections`
+    of its boundary, in the history.
     message: what to know about it.
     seconds, seconds_by_part: time spent.
     Raises ValueError for another status.

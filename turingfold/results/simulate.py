@@ -18,7 +18,7 @@ from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
 from ..state import State
-from .measures import gyrification
+from .measures import crossings, gyrification
 from .result import FilePath, Result, Row, observe
 
 if TYPE_CHECKING:
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 
 GO_ON = "The last accepted state is kept; go on with resume=True (--resume)."
 CHECKPOINT = 1.0  # s between checkpoints
+FAULTS = (  # of states that are none of a body: column of the history, what it counts, and what to try
+    ("inverted_elements", "triangles that are turned over somewhere", "smaller elements or less growth"),
+    ("self_intersections", "a boundary that crosses itself", "SelfContact among the terms, smaller elements"),
+)
 ENOUGH = 4  # elements through the cortex: the onset of buckling is then within 0.1 %
 
 
@@ -170,6 +174,7 @@ class _Run:
         index = gyrification(body, state["displacement"])
         row = {**step.numbers, "growth": largest_growth(state), "gyrification_index": index}
         row["inverted_elements"] = len(folded_over(body.mesh, body.nodes + state["displacement"]))
+        row["self_intersections"] = crossings(body, state["displacement"])
         began = perf_counter()
         if self.folder is not None:
             if _due(before, state.time, self.scene, self.frames):
@@ -225,14 +230,13 @@ class _Run:
 
 def _validity(history: Sequence[Row]) -> tuple[str, str]:
     """Return status and message of a run that has reached its end."""
-    turned = [row for row in history if row["inverted_elements"] > 0]
-    if not turned:
-        return "converged", ""
-    return "invalid", (
-        f"The end was reached, but {len(turned)} of {len(history)} states, the first that of t = "
-        f"{turned[0]['time']:.6g}, have triangles that are turned over somewhere; try smaller elements or "
-        "less growth."
-    )
+    for column, fault, remedy in FAULTS:
+        if found := [row for row in history if row[column] > 0]:
+            return "invalid", (
+                f"The end was reached, but {len(found)} of {len(history)} states, the first that of t = "
+                f"{found[0]['time']:.6g}, have {fault}; try {remedy}."
+            )
+    return "converged", ""
 
 
 def _due(before: float, now: float, scene: Scene, frames: int) -> bool:
