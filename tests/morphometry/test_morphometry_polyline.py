@@ -7,8 +7,9 @@ from scipy.special import ellipe
 from turingfold.morphometry.compare import compare
 from turingfold.morphometry.folds import find_folds, fold_count
 from turingfold.morphometry.fourier import fourier_descriptors
-from turingfold.morphometry.polyline import as_polyline, perimeter, resample, signed_distance
+from turingfold.morphometry.polyline import as_polyline, perimeter, signed_distance
 from turingfold.morphometry.registration import registration, registration_null
+from turingfold.morphometry.resampling import resample
 from turingfold.morphometry.shape import cortical_thickness, gyrification_index, shape_index
 from turingfold.morphometry.similarity import similarity
 from turingfold.morphometry.walls import self_intersections, wall_contact_length

@@ -20,7 +20,10 @@ def parser() -> argparse.ArgumentParser:
     common = argparse.ArgumentParser(add_help=False)
     common.add_argument("--threads", type=_at_least_one, default=1, metavar="N", help="BLAS threads (1)")
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    _add_cases(commands, common)
+    stored = argparse.ArgumentParser(add_help=False)
+    stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
+    _add_runs(commands, [_case_arguments(), stored, _run_arguments(), common])
+    _add_cases(commands, stored, common)
     _add_results(commands, common)
     _add_theory(commands, common)
     return top
@@ -41,24 +44,23 @@ def _case_arguments(*, chosen: bool = True) -> argparse.ArgumentParser:
     return found
 
 
-def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
-    """Add the commands that run cases and draw what came of them."""
-    chosen = _case_arguments()
-    stored = argparse.ArgumentParser(add_help=False)
-    stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
-    running = argparse.ArgumentParser(add_help=False)
-    there = running.add_mutually_exclusive_group()
+def _run_arguments() -> argparse.ArgumentParser:
+    """Return the arguments that say how scenes are run, and what becomes of results that are there."""
+    found = argparse.ArgumentParser(add_help=False)
+    there = found.add_mutually_exclusive_group()
     there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
     there.add_argument("--overwrite", action="store_true", help="replace results that are there")
-    running.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+    found.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+    return found
 
-    run = commands.add_parser(
-        "run", parents=[chosen, stored, running, common], help="run a case, draw its figure"
-    )
+
+def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
+    """Add the commands that run scenes and store their results; they share arguments."""
+    run = commands.add_parser("run", parents=shared, help="run a case, draw its figure")
     run.set_defaults(command="run")
 
     sweep = commands.add_parser(
-        "sweep", parents=[chosen, stored, running, common], help="run a case with other parameters",
+        "sweep", parents=shared, help="run a case with other parameters",
         description="Run a case with other values of its parameters. Each combination has a folder in "
         "DIR/<case>-sweep; the table sweep.csv and the figure there are of the last sweep alone, while the "
         "folders of earlier ones stay.",
@@ -71,7 +73,7 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     sweep.set_defaults(command="sweep")
 
     accuracy = commands.add_parser(
-        "accuracy", parents=[chosen, stored, running, common], help="error against run time",
+        "accuracy", parents=shared, help="error against run time",
         description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
         "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
         "in DIR/<case>-accuracy.",
@@ -81,7 +83,7 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     accuracy.set_defaults(command="accuracy")
 
     sensitivity = commands.add_parser(
-        "sensitivity", parents=[chosen, stored, running, common], help="which parameters matter",
+        "sensitivity", parents=shared, help="which parameters matter",
         description="Run a case; say by how many per cent measures of the end of each scene change with one "
         "per cent of each parameter, from the equilibrium's tangent. Table and figure are in "
         "DIR/<case>-sensitivity.",
@@ -97,6 +99,11 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     sensitivity.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
 
+
+def _add_cases(
+    commands: Commands, stored: argparse.ArgumentParser, common: argparse.ArgumentParser
+) -> None:
+    """Add the commands that show, name and copy cases."""
     app = commands.add_parser(
         "app", parents=[common], help="fold brains in the browser",
         description="Serve a page in which the parameters of cases are changed, and what is run is drawn "

@@ -14,8 +14,9 @@ from ..figures.sections import areas
 from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
 from ..results.folder import check_folder
-from ..results.result import Result, Row, length_unit, read_result
+from ..results.result import Result, Row, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
+from ..results.units import length_unit
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure

@@ -11,7 +11,8 @@ import numpy as np
 from ..arrays import Array
 from ..geometry.body import Body
 from ..morphometry.folds import sulcal_depth
-from ..results.result import along_pial, length_unit, pial_closed
+from ..results.result import along_pial, pial_closed
+from ..results.units import length_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

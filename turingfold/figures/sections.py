@@ -19,7 +19,8 @@ from ..checks import one_of
 from ..geometry.body import Body
 from ..growth.measure import largest_growth
 from ..parts import Load, Term, TimeStep
-from ..results.result import Result, along_pial, length_unit, pial_closed, stress_unit
+from ..results.result import Result, along_pial, pial_closed
+from ..results.units import length_unit, stress_unit
 from ..scene import Scene
 from ..state import State
 from .style import (

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from ..arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +25,14 @@ class Changes:
     dropped: tuple[tuple[float, float, float], ...]
     smallest_angle: float
     notes: tuple[str, ...] = ()
+
+    def placed(self, centre: Array, unit: float, smallest_angle: float) -> Changes:
+        """Return the changes in m of what was made in units of `unit` around `centre`, (2, 1), m."""
+        x0, y0 = centre.ravel().tolist()
+        dropped = [(x0 + unit * x, y0 + unit * y, area * unit**2) for x, y, area in self.dropped]
+        return replace(
+            self, moved=self.moved * unit, dropped=tuple(dropped), smallest_angle=smallest_angle
+        )
 
     def __str__(self) -> str:
         told = [

@@ -13,7 +13,8 @@ from scipy.optimize import minimize_scalar
 from ..arrays import Array, Integers
 from ..checks import between, positive, whole
 from .null import Null
-from .polyline import FEWEST_POINTS, Polyline, as_polyline, fractions, spline_points
+from .polyline import FEWEST_POINTS, Polyline, as_polyline
+from .resampling import fractions, spline_points
 from .shape import mean_curvature
 
 THICKNESS = 0.1  # default cortical thickness over the radius of the body (ferret, R/T = 10)

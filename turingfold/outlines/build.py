@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 import shapely
 from scipy.spatial import cKDTree
+from skfem import MeshTri2
 
 from ..arrays import Array
 from ..checks import between, finite_array, instance, one_of, positive
 from ..geometry.body import BASES, Body
+from ..geometry.changes import Changes
 from ..geometry.shapes import element_size
 from .domain import Given, Thickness, domain
-from .frame import GRAIN
+from .frame import GRAIN, Size
 from .loops import closed_loops, placed_bases
 from .mesh import meshed
 from .section import Section
@@ -50,22 +52,11 @@ class RefinementDisc:
 
 
 def outline(
-    points: Any,
-    *,
-    thickness: float | Any = None,
-    size: float | None = None,
-    elements: float | None = None,
-    interface: Any = None,
-    holes: Any = (),
-    hole: str = "free",
-    base: str = "free",
-    layers: str = "sharp",
-    base_ends: Any = None,
-    inset: float | None = None,
-    smooth: float = 0.0,
-    grading: float = 0.35,
+    points: Any, *, thickness: float | Any = None, size: float | None = None, elements: float | None = None,
+    interface: Any = None, holes: Any = (), hole: str = "free", base: str = "free", layers: str = "sharp",
+    base_ends: Any = None, inset: float | None = None, smooth: float = 0.0, grading: float = 0.35,
     fine: RefinementDisc | tuple[RefinementDisc, ...] = (),
-) -> Body:
+) -> Body:  # fmt: skip
     """Return the tissue inside closed curves, meshed with its gray-white interface on element edges.
 
     points: the pial surface, a curve (2, n) or (n, 2) in m, in order, or a list of them: what lies inside an
@@ -105,8 +96,21 @@ def outline(
     ventricles = closed_loops("holes", holes) if len(holes) else []
     depth = _thickness(points, loops, thickness, white)
     step = _size(size, elements, depth, loops)
-    bases = placed_bases(loops, base_ends, step)
     walls = step / 4 if inset is None else positive("inset", inset)
+    finest = _finest(fine, step, grading)
+    given = Given(loops, placed_bases(loops, base_ends, step), white, ventricles)
+    mean, mesh, changes = _filled(given, depth, (step, walls, smooth), finest, grading)
+    if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
+        warnings.warn(f"outline: {changes}; smaller elements follow it more closely.", stacklevel=2)
+    even = interface is None and depth.at is None
+    typical = depth.typical if depth.typical > 0 else mean
+    return Body(
+        mesh, typical, base, layers, hole=hole, depth_by="thickness" if even else "interface", changes=changes
+    )
+
+
+def _finest(fine: Any, step: float, grading: float) -> Size:
+    """Return the size of elements in the cortex, m, as a function of points (2, n) → (n,)."""
     discs = tuple(fine) if isinstance(fine, (tuple, list)) else (fine,)
     for disc in discs:
         instance("fine", disc, RefinementDisc, "RefinementDisc(centre=(0.0, 0.03), radius=0.01, share=0.5)")
@@ -115,35 +119,33 @@ def outline(
         limits = [disc.share * step + grading * disc.away(at) for disc in discs]
         return np.asarray(np.min([np.full(at.shape[1], step), *limits], axis=0))
 
-    # in units of the extent around the origin, so that neither place nor unit decides between triangles
-    everything = np.concatenate(loops, axis=1)
+    return finest
+
+
+def _filled(
+    given: Given, depth: Thickness, lengths: tuple[float, float, float],
+    finest: Size, grading: float,
+) -> tuple[float, MeshTri2, Changes]:  # fmt: skip
+    """Return the mean thickness of the cortex, the mesh, and what was changed; lengths: size,
+    inset and smooth of `domain`, m.
+
+    In units of the extent around the origin, so that neither place nor unit decides between triangles.
+    """
+    everything = np.concatenate(given.pial, axis=1)
     low, high = everything.min(1, keepdims=True), everything.max(1, keepdims=True)
     centre, unit = 0.5 * (low + high), float((high - low).max())
 
     def near(curves: list[Array]) -> list[Array]:
         return [np.round((curve - centre) / (unit * GRAIN)) * GRAIN for curve in curves]
 
-    scaled = depth.scaled(centre, unit)
-    given = Given(near(loops), bases, None if white is None else near(white), near(ventricles))
-    edge, apart, shorter = (float(np.float32(one / unit)) for one in (step, walls, smooth))
-    made, changes = domain(given, scaled, edge, apart, shorter, unit)
+    scaled = replace(
+        given, pial=near(given.pial), white=None if given.white is None else near(given.white),
+        holes=near(given.holes),
+    )  # fmt: skip
+    edge, apart, shorter = (float(np.float32(length / unit)) for length in lengths)
+    made, changes = domain(scaled, depth.scaled(centre, unit), edge, apart, shorter, unit)
     mesh, smallest = meshed(made, lambda at: finest(centre + unit * at) / unit, grading, centre, unit)
-    changes = replace(
-        changes,
-        moved=changes.moved * unit,
-        dropped=tuple(
-            (float(centre[0, 0] + unit * x), float(centre[1, 0] + unit * y), area * unit**2)
-            for x, y, area in changes.dropped
-        ),
-        smallest_angle=smallest,
-    )
-    if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
-        warnings.warn(f"outline: {changes}; smaller elements follow it more closely.", stacklevel=2)
-    even = interface is None and depth.at is None
-    typical = depth.typical if depth.typical > 0 else made.thickness * unit
-    return Body(
-        mesh, typical, base, layers, hole=hole, depth_by="thickness" if even else "interface", changes=changes
-    )
+    return made.thickness * unit, mesh, changes.placed(centre, unit, smallest)
 
 
 def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] | None) -> Thickness:

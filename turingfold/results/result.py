@@ -14,11 +14,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import finite, one_of, whole
-from ..geometry.body import Body, by_node
+from ..geometry.body import by_node
 from ..growth.ages import ages_of
 from ..growth.measure import largest_growth
 from ..parts import TimeStep
-from ..scene import Scene, stress_scale
+from ..scene import Scene
 from ..solve.march import observed
 from ..solve.problem import Problem, configuration
 from ..state import State
@@ -31,8 +31,6 @@ Row = dict[str, float]
 FilePath = str | os.PathLike[str]
 
 NAN = float("nan")
-BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
-TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 STATUSES = ("converged", "stopped", "interrupted", "running", "invalid")
 
 
@@ -276,22 +274,6 @@ def observe(problem: Problem, state: State, dt: float) -> dict[str, Array]:
     """Return the fields that terms show of a state, each (q, e); dt is the step that led to it."""
     at = configuration(problem.potentials(state, TimeStep(dt)), by_node(state["displacement"]))
     return {} if at is None else observed(at)
-
-
-def length_unit(body: Body) -> tuple[float, str]:
-    """Return the unit that lengths of a body are shown in, and its name.
-
-    That is 1e-3 m, "mm"; for a body in units of its own, longer than 0.5, the cortical thickness, "T".
-    """
-    return (body.thickness, "T") if body.length > BRAIN else (1e-3, "mm")
-
-
-def stress_unit(scene: Scene) -> tuple[float, str]:
-    """Return the unit that stresses of a scene are shown in, and its name.
-
-    That is 1e3 Pa, "kPa"; for moduli that are no tissue's in Pa, the largest below 10, 1 without a name.
-    """
-    return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
 
 
 def _smallest(rows: Sequence[Row], name: str) -> float | None:

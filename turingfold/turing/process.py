@@ -15,58 +15,14 @@ from ..geometry.body import Body
 from ..parts import Fields, LongEvolution, Process
 from ..state import State
 from .kinetics.base import Kinetics
-from .modes import Mode, count_half_waves, mode_with
-from .reaction_diffusion import Discretisation, ReactionDiffusion, discretise
-from .stability import Conditions, turing_unstable_at
-from .steady import SteadyState, continue_on_finer, settle
+from .modes import mode_with
+from .pattern import Design, Pattern, pial_line
+from .reaction_diffusion import ReactionDiffusion, discretise
+from .stability import turing_unstable_at
+from .steady import continue_on_finer, settle
 
 WRITTEN = ("activator", "inhibitor", "pattern")
 DRIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
-
-
-@dataclass(frozen=True, eq=False)
-class Design:
-    """What is chosen for a body: conditions with its diffusivities (m² per unit of kinetic time) and the
-    mode.
-
-    space: quadratic elements on the band.  line: its nodes along the pial surface, in order; the first comes
-    again at the end of a closed line.  middle: the node at the apex.
-    """
-
-    conditions: Conditions
-    mode: Mode
-    space: Discretisation
-    line: Integers
-    middle: int
-
-
-@dataclass(frozen=True, eq=False)
-class Pattern:
-    """A steady pattern on the quadratic elements of a band, and the design it came from."""
-
-    design: Design
-    system: ReactionDiffusion
-    steady: SteadyState
-
-    @property
-    def activator(self) -> Array:
-        """Activator at the band's nodes, shape (n_band_nodes,)."""
-        return np.asarray(self.steady.state[0 if self.design.conditions.activator == "u" else 1])
-
-    @property
-    def inhibitor(self) -> Array:
-        """Inhibitor at the band's nodes, shape (n_band_nodes,)."""
-        return np.asarray(self.steady.state[1 if self.design.conditions.activator == "u" else 0])
-
-    @property
-    def half_waves(self) -> int:
-        """Number of half waves along the pial surface."""
-        return count_half_waves(self.activator[self.design.line], self.design.line[0] == self.design.line[-1])
-
-    @property
-    def normalised(self) -> Array:
-        """Activator mapped to [0, 1], whatever its sign and size."""
-        return normalised(self.activator)
 
 
 @dataclass(frozen=True)
@@ -255,12 +211,6 @@ def _tolerated_drift(body: Body, design: Design) -> float:
     return DRIFT * design.conditions.fastest_rate if body.pial_curve.closed else 0.0
 
 
-def normalised(values: Array) -> Array:
-    """Return values mapped to [0, 1]; 0 where they are all equal."""
-    low, high = values.min(), values.max()
-    return np.asarray((values - low) / (high - low)) if high > low else np.zeros_like(values)
-
-
 def refuse_negative(kinetics: Kinetics, state: Array, time: float = 0.0) -> None:
     """Raise InadmissibleStateError where a concentration is negative."""
     if kinetics.non_negative and state.min() < 0:
@@ -271,20 +221,6 @@ def refuse_negative(kinetics: Kinetics, state: Array, time: float = 0.0) -> None
             "concentrations of at least 0: its peaks are too narrow for the mesh; use smaller elements.",
             time=time,
         )
-
-
-def pial_line(body: Body) -> tuple[Integers, int]:
-    """Return the band's nodes along the pial surface, in order, and the one at the apex."""
-    band = body.cortex
-    place = np.full(body.nodes.shape[1], -1)
-    place[band.nodes] = np.arange(len(band.nodes))
-    line = place[body.pial]
-    if body.pial_curve.closed:
-        line = np.append(line, line[0])
-    if body.mirror:
-        ends = line[[0, -1]]
-        return line, int(ends[np.argmin(np.abs(band.mesh.p[0, ends]))])
-    return line, int(line[len(line) // 2])
 
 
 def mirrored(nodes: Array) -> Integers:

@@ -1,0 +1,25 @@
+"""Units in which lengths and stresses of a scene are shown."""
+
+from __future__ import annotations
+
+from ..geometry.body import Body
+from ..scene import Scene, stress_scale
+
+BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
+TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
+
+
+def length_unit(body: Body) -> tuple[float, str]:
+    """Return the unit that lengths of a body are shown in, and its name.
+
+    That is 1e-3 m, "mm"; for a body in units of its own, longer than 0.5, the cortical thickness, "T".
+    """
+    return (body.thickness, "T") if body.length > BRAIN else (1e-3, "mm")
+
+
+def stress_unit(scene: Scene) -> tuple[float, str]:
+    """Return the unit that stresses of a scene are shown in, and its name.
+
+    That is 1e3 Pa, "kPa"; for moduli that are no tissue's in Pa, the largest below 10, 1 without a name.
+    """
+    return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
