@@ -21,7 +21,8 @@ from ..results.files import CorruptFileError
 from ..results.history import read_history
 from ..results.measures import fold_numbers
 from ..results.reading import state_of
-from ..results.result import along_pial, length_unit, pial_closed, read_result, stress_unit
+from ..results.result import along_pial, pial_closed, read_result
+from ..results.units import length_unit, stress_unit
 from ..results.vtu import arrays_of
 from ..scene import Scene
 
