@@ -101,7 +101,7 @@ def test_the_top_of_the_package_stays_small():
 
 
 def test_heavy_packages_are_imported_where_they_are_used():
-    contact = {PACKAGE / "terms" / f"{name}.py" for name in ("contact", "walls")}  # only such scenes import it
+    contact = {PACKAGE / "terms" / f"{name}.py" for name in ("contact", "walls")}  # which import it
     for path in set(modules()) - contact:
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
