@@ -15,7 +15,7 @@ from turingfold.results.codec import decode
 from turingfold.results.document import stored
 
 CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.py"))
-FIRST = "figure3"  # the one that is run to its end here; the others are slow
+APART = ("figure3", "tension_placement")  # whose numbers are examined as well
 
 
 def data_or_skip(path):
@@ -183,7 +183,7 @@ def check_run(path, out):
 
 
 def test_figure_3_has_a_gyrus_on_each_peak(tmp_path):
-    (path,) = [path for path in CASES if path.stem == FIRST]
+    (path,) = [path for path in CASES if path.stem == "figure3"]
     (summary,) = check_run(path, tmp_path).values()
     # 24 half waves have troughs at 12 places: a sulcus in each
     assert summary["folds"] == 12
@@ -192,7 +192,7 @@ def test_figure_3_has_a_gyrus_on_each_peak(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", [path for path in CASES if path.stem != FIRST], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [p for p in CASES if p.stem not in APART], ids=lambda path: path.stem)
 def test_a_quick_case_runs_and_draws(path, tmp_path):
     data_or_skip(path)
     check_run(path, tmp_path)

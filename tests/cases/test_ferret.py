@@ -1,6 +1,4 @@
-"""The ferret family: thresholds against theory, and the directions in which malformations change the
-folds.
-"""
+"""The ferret family: retracing, panels, and the directions in which malformations change the folds."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -29,13 +27,10 @@ from turingfold.morphometry.walls import self_intersections
 from turingfold.outlines import outline
 from turingfold.outlines.remesh import remeshed
 from turingfold.results.result import Result, pial_closed
-from turingfold.stability.buckling import buckling
 from turingfold.state import State
 
 CASES = Path(__file__).parents[2] / "cases"
 SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
-# growing disc with the sigmoid cortex, kappa = 5 mu (exact; for T = 0.05 and 0.15 the parabola through these)
-THICK, CRITICAL, WAVES = (0.025, 0.1, 0.2), (1.6668, 1.7195, 1.7846), (61, 15, 7)
 
 
 def brain(thickness, layers):
@@ -75,19 +70,6 @@ def whole(points):
     """Return a half disc's surface with its image in the base, closed."""
     image = points[:, -2:0:-1] * np.array([[1.0], [-1.0]])
     return np.concatenate([points, image], axis=1)
-
-
-SLOWER = [pytest.param(t, n, marks=pytest.mark.slow) for t, n in ((0.15, 4), (0.1, 4), (0.05, 4), (0.025, 3))]
-
-
-@pytest.mark.parametrize(("thickness", "layers"), [(0.2, 4), *SLOWER])
-def test_threshold_and_fold_number_are_those_of_theory(thickness, layers):
-    critical = np.polyval(np.polyfit(THICK, CRITICAL, 2), thickness)
-    waves = np.exp(np.interp(np.log(thickness), np.log(THICK), np.log(WAVES)))
-    scene = Scene(body=brain(thickness, layers), terms=(SOLID,), processes=(TangentialGrowth(cortex=1.9),))
-    found = buckling(scene)
-    assert found.growth == pytest.approx(critical, rel=0.01)
-    assert abs(found.mode - waves) <= 1
 
 
 def test_a_quarter_of_the_growth_leaves_the_brain_smooth():
@@ -258,11 +240,11 @@ def test_a_local_thin_cortex_folds_finely_in_its_zone_only(malformations):
 @pytest.mark.slow
 def test_after_folding_the_fold_number_is_inverse_to_the_thickness():
     products = []
-    for thickness, layers in ((0.2, 4), (0.1, 4), (0.05, 3), (0.025, 2.5)):
+    for thickness, layers in ((0.2, 4), (0.1, 3), (0.05, 2.5)):
         processes = (TangentialGrowth(cortex=2.2), Imperfection(amplitude=0.02))
         scene = Scene(body=brain(thickness, layers), terms=(SOLID, SelfContact()), processes=processes)
         products.append(thickness * fold_count(whole(simulate(scene).pial()), closed=True))
-    assert products == pytest.approx(np.full(4, np.mean(products)), rel=0.15)
+    assert products == pytest.approx(np.full(3, np.mean(products)), rel=0.15)
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """The ferret family's statements do not hang on the seed of the imperfection."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,11 +16,18 @@ from turingfold.parts import TimeStep
 from turingfold.terms.dynamics import mass
 from turingfold.terms.quadratic_energy import SymmetricMatrix
 
-SEEDS = (0, 1, 2, 3)
+SEEDS = (1, 2)  # test_ferret has 0
 
 
-def mesh_brain(finer, seed):
-    return load_case(CASES / "ferret_mesh.py").scenes({"seed": seed}, quick=False)[f"{finer} x"]
+@pytest.fixture(scope="module")
+def grown():
+    """Return a function (finer, seed) -> result of a brain of ferret_mesh; each is run once."""
+
+    @cache
+    def result(finer, seed):
+        return simulate(load_case(CASES / "ferret_mesh.py").scenes({"seed": seed}, quick=False)[f"{finer} x"])
+
+    return result
 
 
 def places(result):
@@ -40,18 +48,18 @@ def least_eigenvalue(scene, state):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
-def test_folds_do_not_depend_on_the_mesh_for_any_seed(seed):
-    coarse, fine = (simulate(mesh_brain(finer, seed)) for finer in (1, 4))
+def test_folds_do_not_depend_on_the_mesh_for_any_seed(grown, seed):
+    coarse, fine = grown(1, seed), grown(4, seed)
     assert folds(coarse).count == folds(fine).count >= 8
     assert places(coarse) == pytest.approx(places(fine), abs=0.02)  # a fifth of their distance
     assert index(coarse) == pytest.approx(index(fine), rel=0.02)
 
 
 @pytest.mark.slow
-def test_folds_do_not_depend_on_the_time_step():
-    scene = mesh_brain(1, 1)
-    halved = replace(scene, stepping=Stepping(first=1 / 80, largest=1 / 80))
-    results = [simulate(scene), simulate(halved)]
+def test_folds_do_not_depend_on_the_time_step(grown):
+    result = grown(1, 1)
+    halved = replace(result.scene, stepping=Stepping(first=1 / 80, largest=1 / 80))
+    results = [result, simulate(halved)]
     assert folds(results[0]).count == folds(results[1]).count
     assert places(results[0]) == pytest.approx(places(results[1]), abs=0.02)
     assert index(results[0]) == pytest.approx(index(results[1]), rel=0.005)
@@ -59,9 +67,9 @@ def test_folds_do_not_depend_on_the_time_step():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
-def test_steps_resolve_the_motion_past_the_onset(seed):
-    scene = mesh_brain(1, seed)
-    result = simulate(scene)
+def test_steps_resolve_the_motion_past_the_onset(grown, seed):
+    result = grown(1, seed)
+    scene = result.scene
     drag, lowest = scene.terms[2].coefficient, []
     for state, row in list(zip(result.states[1:], result.history, strict=True))[19::2]:
         lowest.append(least_eigenvalue(scene, state))
@@ -71,7 +79,7 @@ def test_steps_resolve_the_motion_past_the_onset(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_local_changes_act_in_their_zone_for_any_seed(seed):
     every = load_case(CASES / "ferret_local.py").scenes({"seed": seed}, quick=False)
     scenes = {name: every[name] for name in ("normal", "2 g", "0.25 T")}
@@ -89,7 +97,7 @@ def test_local_changes_act_in_their_zone_for_any_seed(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1])
 def test_stages_can_be_traced_and_deepen_for_any_seed(seed):
     stages = load_case(CASES / "ferret_stages.py").scenes({"seed": seed}, quick=False)
     results = [simulate(scene) for scene in stages.values()]

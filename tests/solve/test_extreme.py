@@ -68,31 +68,28 @@ def check(made, step):
 
 EASY = {
     "compressible": {"poisson": 0.3},
-    "one element": {"layers": 1},
     "thick": {"share": 0.3},
     "no noise, no load": {"tension": 0.0},
     "shrinking to a third": {"growth": 0.33},
     "growth of 4": {"growth": 4.0},
     "stiff core": {"ratio": 1e3},
 }
+LONG = ("no noise, no load", "growth of 4")
 HARD = {
-    "ten times the tension": {"tension": 10 * TENSION},
     "pushing": {"tension": -TENSION},
-    "soft core": {"ratio": 1e-2},
     "very soft core": {"ratio": 1e-3},
-    "flat": {"aspect": 0.3, "share": 0.03},
-    "steep": {"aspect": 4.0, "share": 0.05},
     "flatter": {"aspect": 0.2, "share": 0.015},
     "steeper": {"aspect": 5.0, "share": 0.05},
     "thin": {"share": 0.01, "layers": 1},
     "hundred times the tension": {"tension": 100 * TENSION},
-    "nearly incompressible": {"poisson": 0.499},
     "almost incompressible": {"poisson": 0.499999},
     "twelve elements": {"layers": 12},
 }
 
 
-@pytest.mark.parametrize("name", EASY)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in EASY]
+)
 def test_reaches_the_end(name):
     steps, stopped = examine(scene(**EASY[name]))
     assert stopped is None
@@ -143,6 +140,7 @@ def between_lobes(body, moved):
     return np.max([cKDTree(wall.T).query(near.T)[0] for wall in walls], axis=0).min()
 
 
+@pytest.mark.slow
 def test_walls_pressed_together_from_three_sides():
     made, skull = cleft_between_three_lobes(1.8)
     steps, stopped = examine(made)
@@ -166,16 +164,26 @@ def test_time_limit():
     assert not steps
 
 
+@pytest.fixture(scope="module")
+def metres():
+    """Return the steps with one element through the cortex, which reach the end."""
+    steps, stopped = examine(scene(layers=1))
+    assert stopped is None
+    assert steps[-1].state.time == 1.0
+    return steps
+
+
 @pytest.mark.filterwarnings("ignore:a half width of 4")  # lengths in other units
-def test_binary_units_change_not_one_bit():
+@pytest.mark.parametrize("unit", [1.0, 2.0**-10], ids=["again", "binary"])
+def test_neither_another_run_nor_binary_units_change_a_bit(metres, unit):
     """Lengths in units of 2^-10 m only change exponents, unless some tolerance is an absolute length."""
-    metres, _ = examine(scene(layers=1))
-    others, _ = examine(scene(layers=1, unit=2.0**-10))
+    others, _ = examine(scene(layers=1, unit=unit))
     for one, other in zip(metres, others, strict=True):
         assert one.numbers["newton_iterations"] == other.numbers["newton_iterations"]
-        assert np.array_equal(one.state["displacement"], 2.0**-10 * other.state["displacement"])
+        assert np.array_equal(one.state["displacement"], unit * other.state["displacement"])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:a half width of 4")  # lengths in other units
 def test_millimetres_take_the_same_steps_as_metres():
     """The same body in mm, moduli in Pa: line tension and lengths are 1000 times larger, and rounded anew."""
@@ -187,11 +195,6 @@ def test_millimetres_take_the_same_steps_as_metres():
         assert one.state.time == other.state.time
         shift = one.state["displacement"]
         assert 1e-3 * other.state["displacement"] == pytest.approx(shift, abs=1e-7 * RADIUS)
-
-
-def test_two_runs_give_the_same_bytes():
-    one, other = (examine(scene(layers=1))[0][-1] for _ in range(2))
-    assert one.state["displacement"].tobytes() == other.state["displacement"].tobytes()
 
 
 def test_slivers_stretch_as_exactly_as_good_triangles():
