@@ -255,8 +255,9 @@ def test_either_size_or_elements_is_given(options):
 
 
 def test_millimetres_taken_for_metres_are_noticed():
-    with pytest.warns(UserWarning, match=r"40\.4 m .* cortex of 2\.5 m.*40\.4 mm are 0\.0404"):
+    with pytest.warns(UserWarning, match=r"40\.4 m .* cortex of 2\.5 m.*40\.4 mm are 0\.0404") as told:
         semicircle(radius=40.4, thickness=2.5, elements=1)
+    assert len(told) == 1
 
 
 def test_lengths_in_different_units_are_refused_at_once():

@@ -1,5 +1,7 @@
 """Values that look like mistakes of units: growth in per cent, loads far beyond the stiffness."""
 
+import warnings
+
 import pytest
 
 from turingfold import AxonalTension, Scene, TangentialGrowth, human, semicircle
@@ -24,5 +26,8 @@ def test_strengths_far_beyond_the_stiffness_are_noticed(options, words):
     body = semicircle(radius=0.0404, thickness=2.5e-3, elements=1)
     solid = human.tissue(two_layers=False)
     with pytest.warns(UserWarning, match=words):
-        Scene(body=body, terms=(solid, AxonalTension(patches=2, **options)))
-    Scene(body=body, terms=(solid, AxonalTension(strength=0.5, patches=2)))  # document 1's: no word
+        made = Scene(body=body, terms=(solid, AxonalTension(patches=2, **options)))
+    assert made.terms[1].strength == options["strength"]  # as it was given
+    with warnings.catch_warnings(record=True) as told:
+        Scene(body=body, terms=(solid, AxonalTension(strength=0.5, patches=2)))  # document 1's
+    assert not told

@@ -170,7 +170,8 @@ def test_millimetres_taken_for_metres_are_pointed_out(tmp_path):
     voxels, affine = disc(30.0, 1.0)
     file = written(tmp_path / "brain.nii", voxels.astype(np.uint8), affine=affine, units="meter")
     with pytest.warns(UserWarning, match=r"brain\.nii.* 60 by 60 large, read as metres; if they are mm"):
-        mask_outline(file)
+        points = mask_outline(file)
+    assert np.ptp(points, axis=1) == pytest.approx([60, 60], abs=1)  # m, as the file says
 
 
 @pytest.mark.parametrize(

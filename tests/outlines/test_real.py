@@ -55,6 +55,7 @@ def test_a_single_outline_is_meshed_as_it_is(file):
     thickness = T if human else 0.1
     body = outline(points, thickness=thickness, elements=3)
     examined(body, [points], thickness / 3)
+    assert len(body.pial_paths) == 1
 
 
 @needed

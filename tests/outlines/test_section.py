@@ -224,5 +224,7 @@ def test_a_section_without_white_matter_has_no_thickness():
 
 
 def test_millimetres_are_pointed_out():
-    with pytest.warns(UserWarning, match=r"the section is 60 by 60 large.*if they are mm"):
-        Section([circle(30.0)])
+    with pytest.warns(UserWarning, match=r"the section is 60 by 60 large.*if they are mm") as told:
+        section = Section([circle(30.0)])
+    assert len(told) == 1
+    np.testing.assert_array_equal(section.pial[0], circle(30.0))  # as it was given
