@@ -1,6 +1,6 @@
 // Small charts of numbers over time, as SVG.
 
-const LEFT = 44, RIGHT = 14, TOP = 34, BOTTOM = 36; // pixels
+const LEFT = 52, RIGHT = 14, TOP = 34, BOTTOM = 36; // pixels
 
 /** Return about `count` round numbers between two. */
 export function ticks(low, high, count) {
@@ -30,7 +30,7 @@ export function chart(title, label, series, until, now, [WIDTH, HEIGHT]) {
   const y = v => HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (v - low) / (high - low);
   for (const v of ticks(low, high, 4)) {
     svg.append(element("line", {x1: LEFT, x2: WIDTH - RIGHT, y1: y(v), y2: y(v), class: "grid"}));
-    svg.append(element("text", {x: LEFT - 6, y: y(v) + 4, "text-anchor": "end"}, v.toString().length > 6 ? v.toExponential(0) : v));
+    svg.append(element("text", {x: LEFT - 6, y: y(v) + 4, "text-anchor": "end"}, v.toString().length > 7 ? v.toExponential(1) : v));
   }
   for (const t of ticks(0, until, Math.min(5, WIDTH / 60))) svg.append(element("text", {x: x(t), y: HEIGHT - 21, "text-anchor": "middle"}, t));
   svg.append(element("text", {x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 7, "text-anchor": "middle"}, label));

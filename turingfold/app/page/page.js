@@ -104,6 +104,7 @@ async function choose(name, scene, values = {}) {
   page.values = unknown ? {} : values;
   $("case").value = name;
   layOut();
+  $("scene").replaceChildren(); // until they are known: some cases need files
   page.case.scenes ??= await table(`cases/${encodeURIComponent(name)}/scenes`);
   $("scene").replaceChildren(...page.case.scenes.map(word => make("option", {value: word, textContent: word})));
   if (scene && page.case.scenes.includes(scene)) $("scene").value = scene;
