@@ -36,22 +36,24 @@ class Address:
     token: bool = False
 
     def bound(self) -> socket.socket:
-        """Return a socket that listens there; raises OSError where it cannot."""
+        """Return a socket that is bound there; raises ValueError where it cannot be."""
+        if self.port is not None:
+            return self._bound(self.port)
+        with suppress(ValueError):
+            return self._bound(PORT)
+        return self._bound(0)
+
+    def _bound(self, port: int) -> socket.socket:
         host = self.host or HERE
-        kind = socket.AF_INET6 if ":" in host else socket.AF_INET
-        for port in (self.port,) if self.port is not None else (PORT, 0):
-            made = socket.socket(kind)
-            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, os.name == "posix")
-            try:
-                made.bind((host, port))
-                return made
-            except (OSError, OverflowError) as error:
-                made.close()
-                if port != PORT or self.port is not None:
-                    raise ValueError(
-                        f"{host}, port {port} cannot be had ({error}); choose another by --port."
-                    ) from error
-        raise AssertionError("a free port is always tried")
+        made = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, os.name == "posix")
+        try:
+            made.bind((host, port))
+        except (OSError, OverflowError) as error:
+            made.close()
+            words = f"{host}, port {port} cannot be had ({error}); choose another by --port."
+            raise ValueError(words) from error
+        return made
 
 
 def app(case: str, folder: Path, address: Address, *, show: bool) -> int:

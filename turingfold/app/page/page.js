@@ -8,7 +8,7 @@ const SHOWN = {m: ["mm", 1e-3], Pa: ["kPa", 1e3]};
 const MAIN = ["radius", "thickness", "young_gray", "young_white", "poisson"];
 const LAST = ["elements", "seed", "steps", "until"];
 const UNDER_WAY = ["starting", "running"];
-const POLL = 400, LIST = 2500; // ms
+const POLL = 250, LIST = 2500; // ms
 const page = {cases: new Map(), case: null, scene: "", values: {}, a: null, b: null, live: true, playing: null, failed: false};
 
 async function ask(path, body) {
@@ -153,7 +153,7 @@ async function refresh(run) {
       const [low, high] = limits(fields[name], name), own = run.limits[name] ?? [low, high];
       run.limits[name] = [Math.min(low, own[0]), Math.max(high, own[1])];
     }
-    if (run === page.a) show();
+    if (run === page.a && step === frames.at(-1).step) show();
   }
 }
 
