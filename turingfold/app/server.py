@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from starlette.applications import Starlette
@@ -42,6 +43,7 @@ class Server:
         self.choices, self.runs, self.first = choices, runs, first
         self.views = Views()
         self._scenes: dict[str, list[str]] = {}
+        self._filming = Lock()  # one film at a time
 
     def routes(self) -> list[Route | Mount]:
         """Return what is answered, by address."""
@@ -151,7 +153,7 @@ class Server:
 
     def _film(self, run: Run) -> bytes:
         choice, folder = self._choice(run.asked["case"]), self._result(run)
-        with tempfile.TemporaryDirectory() as place:
+        with self._filming, tempfile.TemporaryDirectory() as place:
             film = Path(place) / "film.gif"
             command = ["animate", str(folder), "--figure", str(film), "--with", str(choice.file)]
             done = subprocess.run(
