@@ -70,7 +70,8 @@ def draw(results, figure):
             axes["outlines"].plot(*(1e3 * result.pial()), color=color, linewidth=0.8, label=label)
     axes["energy"].set(xlabel="time over duration of growth", ylabel="kinetic energy (J/m)", xlim=(0, 2))
     axes["energy"].set_title("energy of the motion")
-    axes["energy"].legend(frameon=False, fontsize=8)
+    axes["energy"].set_ylim(1e-18, 0.1)  # room for the legend
+    axes["energy"].legend(frameon=False, fontsize=8, loc="lower left")
     axes["outlines"].set(aspect="equal", xlabel="mm", title="pial surfaces at the end")
     axes["outlines"].legend(frameon=False, fontsize=8, loc="lower center")
 

@@ -51,7 +51,7 @@ def draw(results, figure):
     for axes, name, result in figures.section_grid(figure, 2, 2, shown):
         note = ""
         if name == last:
-            note = f" ({100 * (index[coarse] / index[last] - 1):+.2f} % in the index of the panel before)"
+            note = f" (index of the panel before: {100 * (index[coarse] / index[last] - 1):+.2f} %)"
         axes.set_title(f"{name}{note}\n{figures.measures(result)}\n{figures.areas(result)}", fontsize=9)
 
 
