@@ -20,7 +20,7 @@ from .parts import Load as Load
 from .parts import Operator as Operator
 from .parts import Potential as Potential
 from .parts import Process as Process
-from .parts import Ray as Ray
+from .parts import SearchLine as SearchLine
 from .parts import Solid as Solid
 from .parts import Term as Term
 from .parts import TimeStep as TimeStep

@@ -112,7 +112,7 @@ class Evaluation(ABC):
     """A potential at one displacement, with everything that was computed there.
 
     energy: J per m of depth.  round_off: differences of energy below this are round-off.
-    has_hessian: whether the energy is curved.
+    has_hessian: whether the energy has a Hessian other than zero.
     """
 
     energy: float
@@ -144,7 +144,7 @@ class Evaluation(ABC):
         return {}
 
 
-class Ray(ABC):
+class SearchLine(ABC):
     """One energy along x + s d, as a line search sees it.
 
     start: merit at s = 0.  excess: by how much the slope of the merit there exceeds that of the energy.
@@ -169,8 +169,8 @@ class Condensed(Evaluation):
     """
 
     @abstractmethod
-    def along(self, direction: Array, decrease: float) -> Ray:
-        """Return the ray along `direction` (2 n_nodes,); decrease: slope of the total energy along it."""
+    def along(self, direction: Array, decrease: float) -> SearchLine:
+        """Return the search line along `direction` (2 n_nodes,); decrease: slope of all energy along it."""
 
 
 class Potential(ABC):

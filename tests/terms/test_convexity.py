@@ -28,8 +28,8 @@ def sample(n, spread, seed=0):
     J = out * (F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
     mu, kappa = np.full_like(J, 1.0), rng.uniform(0.1, 50.0, J.shape)
     I1 = (F**2).sum((0, 1)) + out**2
-    a, b = material.slopes(mu, kappa, I1, J)
-    c1, c2 = material.curvatures(mu, kappa, I1, J)
+    a, b = material.stress_coefficients(mu, kappa, I1, J)
+    c1, c2 = material.tangent_coefficients(mu, kappa, I1, J)
     return F, out, a, b, c1, c2
 
 
@@ -73,8 +73,8 @@ def test_the_samples_hold_definite_and_indefinite_tangents():
 def test_the_undeformed_tangent_needs_nothing():
     eye = np.eye(2)[:, :, None]
     one = np.ones(1)
-    a, b = material.slopes(one, 5 * one, 3 * one, one)
-    c1, c2 = material.curvatures(one, 5 * one, 3 * one, one)
+    a, b = material.stress_coefficients(one, 5 * one, 3 * one, one)
+    c1, c2 = material.tangent_coefficients(one, 5 * one, 3 * one, one)
     args = (eye, one, a, b, c1, c2)
     _, added = closed(args)  # one eigenvalue is zero by rotation
     assert np.abs(added).max() < 1e-14
@@ -86,7 +86,8 @@ def test_pure_dilation_has_no_anticonformal_part_to_normalise():
     eye = 0.3 * np.eye(2)[:, :, None]
     one = np.ones(1)
     I1, J = 2 * 0.09 * one + 1, 0.09 * one
-    args = (eye, one, *material.slopes(one, 5 * one, I1, J), *material.curvatures(one, 5 * one, I1, J))
+    stress = material.stress_coefficients(one, 5 * one, I1, J)
+    args = (eye, one, *stress, *material.tangent_coefficients(one, 5 * one, I1, J))
     expected, values = numerical(tangents(*args))
     assert values.min() < 0
     np.testing.assert_allclose(closed(args)[1], expected, atol=1e-13 * np.abs(values).max())

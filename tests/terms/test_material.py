@@ -22,15 +22,15 @@ def cofactor(F: np.ndarray) -> np.ndarray:
 
 
 def stress(F: np.ndarray, mu: float = MU, kappa: float = KAPPA) -> np.ndarray:
-    a, b = material.slopes(mu, kappa, np.vdot(F, F), np.linalg.det(F))
+    a, b = material.stress_coefficients(mu, kappa, np.vdot(F, F), np.linalg.det(F))
     return a * F + b * cofactor(F)
 
 
 def tangent(F: np.ndarray, dF: np.ndarray, mu: float = MU, kappa: float = KAPPA) -> np.ndarray:
     """The tangent applied to dF; the change of the cofactor is exact, as it is a quadratic function of F."""
     I1, J = np.vdot(F, F), np.linalg.det(F)
-    a, b = material.slopes(mu, kappa, I1, J)
-    c1, c2 = material.curvatures(mu, kappa, I1, J)
+    a, b = material.stress_coefficients(mu, kappa, I1, J)
+    c1, c2 = material.tangent_coefficients(mu, kappa, I1, J)
     C = cofactor(F)
     change = 0.5 * (cofactor(F + dF) - cofactor(F - dF))
     FdF, CdF = np.vdot(F, dF), np.vdot(C, dF)
@@ -52,7 +52,7 @@ def test_the_undeformed_state_has_no_energy_and_no_stress():
 
 
 def test_leaving_out_the_third_direction_would_stress_the_undeformed_state():
-    a, b = material.slopes(MU, KAPPA, 2.0, 1.0)
+    a, b = material.stress_coefficients(MU, KAPPA, 2.0, 1.0)
     assert a + b == pytest.approx(MU / 3, rel=1e-14)
 
 

@@ -17,7 +17,7 @@ from ..geometry.body import BASES, Body
 from ..geometry.changes import Changes
 from ..geometry.shapes import element_size
 from .domain import Given, Thickness, domain
-from .frame import GRAIN, Size
+from .frame import RESOLUTION, Size
 from .loops import closed_loops, placed_bases
 from .mesh import meshed
 from .section import Section
@@ -136,7 +136,7 @@ def _filled(
     centre, unit = 0.5 * (low + high), float((high - low).max())
 
     def near(curves: list[Array]) -> list[Array]:
-        return [np.round((curve - centre) / (unit * GRAIN)) * GRAIN for curve in curves]
+        return [np.round((curve - centre) / (unit * RESOLUTION)) * RESOLUTION for curve in curves]
 
     scaled = replace(
         given, pial=near(given.pial), white=None if given.white is None else near(given.white),

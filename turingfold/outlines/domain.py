@@ -118,9 +118,9 @@ def domain(
         _refuse_thick(area, pial, thickness.typical, unit)
     raw = _white(area, pial, thickness, size) if within is None else even_odd(within.polygons)
     least = min(size, 0.9 * thickness.typical)
-    room = raw if even else below(area, pial, least)
-    raw = raw.intersection(room)
-    white = smoothed(raw, size, 0.25 * size).intersection(room)
+    allowed = raw if even else below(area, pial, least)
+    raw = raw.intersection(allowed)
+    white = smoothed(raw, size, 0.25 * size).intersection(allowed)
     if given.bases:
         near = bases.buffer(0.75 * size)
         white = white.difference(near).union(raw.intersection(near))

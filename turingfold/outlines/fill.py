@@ -13,7 +13,7 @@ import shapely
 from scipy.spatial import Delaunay, cKDTree
 
 from ..arrays import Array, Booleans, Integers
-from .frame import GRAIN, Frame, Side, Size, kept, missing, split
+from .frame import RESOLUTION, Frame, Side, Size, kept, missing, split
 
 ROUNDS = 60
 RELAXATIONS = 8
@@ -78,7 +78,7 @@ def _bounded(found: Frame, size: Size, white: Callable[[Array], Booleans], gradi
         distance, near = (np.asarray(found) for found in tree.query(at.T, k=count))
         deep = np.where(white(at), distance[:, 0], 0.0)
         beside = (SLACK * longest[near] + grading * distance).min(1)
-        return np.asarray(np.round(np.minimum(size(at) + grading * deep, beside) / GRAIN) * GRAIN)
+        return np.asarray(np.round(np.minimum(size(at) + grading * deep, beside) / RESOLUTION) * RESOLUTION)
 
     return bounded
 

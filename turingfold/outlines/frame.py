@@ -19,7 +19,7 @@ Put = Callable[[Array], Array]  # points (2, n) near a smooth line -> points on 
 
 BEND = 0.8  # rad, by which an edge of a curved line turns at most
 FINEST = 0.125  # share of the asked element size below which bends do not refine a line
-GRAIN = 2.0**-24  # of the extent: smaller differences are round-off
+RESOLUTION = 2.0**-24  # of the extent: smaller differences are round-off
 CORNER = 30.0  # degrees by which a base must turn for its vertex to be kept
 
 
@@ -161,7 +161,7 @@ def frame(sides: list[Side]) -> Frame:
     starts = np.cumsum([0, *(one.nodes.shape[1] for one in sides)])
     exact = np.concatenate([one.nodes for one in sides], axis=1)
     points, first, local = np.unique(
-        np.round(exact / GRAIN) * GRAIN, axis=1, return_index=True, return_inverse=True
+        np.round(exact / RESOLUTION) * RESOLUTION, axis=1, return_index=True, return_inverse=True
     )
     edges, number, place = [], [], []
     for k, one in enumerate(sides):

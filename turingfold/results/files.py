@@ -24,11 +24,11 @@ from numpy.typing import NDArray
 
 CHECKSUM = "sha256"
 GO_ON = "Everything written before is complete; {}, then go on with resume=True (--resume)"
-ROOM = GO_ON.format("free some space")
+FREE_SPACE = GO_ON.format("free some space")
 OPEN = "make this place writable or choose another"
 REMEDIES = {
-    errno.ENOSPC: ROOM,
-    errno.EDQUOT: ROOM,
+    errno.ENOSPC: FREE_SPACE,
+    errno.EDQUOT: FREE_SPACE,
     errno.EFBIG: GO_ON.format("raise the limit on the size of files (ulimit -f)"),
     errno.EACCES: OPEN,
     errno.EPERM: OPEN,

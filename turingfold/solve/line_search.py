@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from ..parts import Evaluation, Potential, Ray
+from ..parts import Evaluation, Potential, SearchLine
 
 
-class Straight(Ray):
-    """The ray of a potential whose unknowns are the nodes alone: its energy is the merit."""
+class Straight(SearchLine):
+    """The search line of a potential whose unknowns are the nodes alone: its energy is the merit."""
 
     def __init__(self, potential: Potential, at: Evaluation, x: Array, direction: Array) -> None:
         """Compute the step bound."""

@@ -236,8 +236,8 @@ class Minimiser:
         forces change smoothly: a contact may come and go within any distance.
         """
         self._missed = float("inf")
-        curved = sum(e.has_hessian for e in at.evaluations)
-        if last is not None and self._convexity == 0 and last.constant == curved:
+        counted = sum(e.has_hessian for e in at.evaluations)
+        if last is not None and self._convexity == 0 and last.constant == counted:
             missed = self._share(last, at.x, guess, origin)
             near = missed if last.point is guess else self._share(last, at.x, last.point, origin)
             self._missed = missed
@@ -285,14 +285,14 @@ class Minimiser:
         decrease = float(gradient @ direction[self.assembler.free])
         if not decrease <= 0:
             raise NotConvergedError("the Newton direction leads uphill", residual=residual)
-        rays = at.rays(direction, decrease)
-        step = min(ray.longest for ray in rays)
+        lines = at.search_lines(direction, decrease)
+        step = min(line.longest for line in lines)
         begin = self.effort.add("step bounds", begin)
-        merit, fall = sum(ray.start for ray in rays), decrease + sum(ray.excess for ray in rays)
+        merit, fall = sum(line.start for line in lines), decrease + sum(line.excess for line in lines)
         noise = at.round_off  # near the minimum, it hides the decrease
         while step > SHORTEST:
             self._heed_deadline(residual)
-            there = at.at(rays, direction, step)
+            there = at.at(lines, direction, step)
             if there is not None and there[0] <= merit + ARMIJO * step * fall + noise:
                 end = there[1]
                 if self._convexity and step == 1.0 and not at.is_condensed:

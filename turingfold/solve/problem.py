@@ -26,7 +26,7 @@ from ..parts import (
     Operator,
     Potential,
     Process,
-    Ray,
+    SearchLine,
     Term,
     TimeStep,
     declared,
@@ -69,25 +69,27 @@ class Configuration:
         return gradient, float(np.linalg.norm(gradient) / (scale if scale > 0 else 1.0))
 
     def hessians(self, convexity: float) -> list[Hessian]:
-        """Return the Hessians of the curved energies, blended towards their positive parts."""
+        """Return the Hessians of the energies that have one, blended towards their positive parts."""
         return [e.hessian(convexity) for e in self.evaluations if e.has_hessian]
 
     def largest_step(self, direction: Array) -> float:
         """Return a step in (0, 1] along a direction that keeps the state admissible."""
         return min((e.largest_step(direction) for e in self.evaluations), default=1.0)
 
-    def rays(self, direction: Array, decrease: float) -> list[Ray]:
+    def search_lines(self, direction: Array, decrease: float) -> list[SearchLine]:
         """Return how each energy follows a direction; decrease: slope of the total energy along it."""
         return [
             e.along(direction, decrease) if isinstance(e, Condensed) else Straight(p, e, self.x, direction)
             for p, e in zip(self.potentials, self.evaluations, strict=True)
         ]
 
-    def at(self, rays: Sequence[Ray], direction: Array, step: float) -> tuple[float, Configuration] | None:
-        """Return the merit and the configuration a step along rays, or None where one energy is infinite."""
+    def at(
+        self, lines: Sequence[SearchLine], direction: Array, step: float
+    ) -> tuple[float, Configuration] | None:
+        """Return the merit and the configuration a step along a direction; None where it is inadmissible."""
         found = []
-        for ray in rays:
-            there = ray.at(step)
+        for line in lines:
+            there = line.at(step)
             if there is None:
                 return None
             found.append(there)

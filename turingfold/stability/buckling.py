@@ -39,7 +39,7 @@ class Buckling:
     growth: the largest tangential growth factor there (1 where nothing grows).  time: in the scene's units.
     mode: half waves along the pial surface, n of cos(nθ) on a half disc (of the whole body, for half of one).
     shape: the eigenvector, (2, n_nodes), its largest nodal displacement 1.
-    state: the state on the fundamental path.  stiffness: the share of stiffness left there, as good as 0.
+    state: the state on the fundamental path.  remaining_stiffness: share of it at the start, as good as 0.
     limit: whether the path turns back there, rather than going on unstable beyond a bifurcation.
     """
 
@@ -48,7 +48,7 @@ class Buckling:
     mode: int
     shape: Array
     state: State
-    stiffness: float
+    remaining_stiffness: float
     limit: bool
 
     def switched(self, amplitude: float, dt: float) -> Progress:
@@ -94,7 +94,7 @@ def buckling(scene: Scene) -> Buckling:
     shape = shape.reshape(-1, 2).T / np.hypot(*shape.reshape(-1, 2).T).max()
     return Buckling(
         growth=largest_growth(base.state), time=base.state.time, mode=half_waves(scene.body, shape),
-        shape=shape, state=base.state, stiffness=stiffness, limit=limit,
+        shape=shape, state=base.state, remaining_stiffness=stiffness, limit=limit,
     )
 
 

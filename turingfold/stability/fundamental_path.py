@@ -157,17 +157,17 @@ class FundamentalPath:
 
     def lowest(self, base: FundamentalState) -> tuple[float, Array]:
         """Return the lowest eigenvalue of (K, K₀), and its vector over the free unknowns."""
-        sparsity, rest = self.assembler.assemble(self.at_rest)
+        sparsity, at_start = self.assembler.assemble(self.at_rest)
         solver, shift, below = self.solver(sparsity), 0.0, 0.01
         factors = solver.factorize(base.tangent)
         while factors.negative:  # below the whole spectrum the nearest eigenvalue is the lowest one
             shift, below = shift - below, 2 * below
-            factors = solver.factorize(base.tangent - shift * rest)
+            factors = solver.factorize(base.tangent - shift * at_start)
         inverse = LinearOperator((sparsity.n, sparsity.n), matvec=factors.solve, dtype=float)
         start = np.random.default_rng(self.scene.seed).standard_normal(sparsity.n)
         try:
             values, vectors = eigsh(
-                symmetric(sparsity, base.tangent), k=1, M=symmetric(sparsity, rest), sigma=shift,
+                symmetric(sparsity, base.tangent), k=1, M=symmetric(sparsity, at_start), sigma=shift,
                 OPinv=inverse, v0=start, tol=1e-8,
             )
         except ArpackError as error:
@@ -179,10 +179,10 @@ class FundamentalPath:
 
 def _moved(at: Configuration, direction: Array, decrease: float) -> Configuration:
     """Return the configuration a full Newton step ahead, or the admissible part of one."""
-    rays = at.rays(direction, decrease)
-    step = min(ray.longest for ray in rays)
+    lines = at.search_lines(direction, decrease)
+    step = min(line.longest for line in lines)
     while step > 1e-3:
-        there = at.at(rays, direction, step)
+        there = at.at(lines, direction, step)
         if there is not None:
             return there[1]
         step *= 0.5

@@ -11,7 +11,7 @@ from ..checks import finite, finite_array
 from ..geometry.body import Body
 from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
-from .element_matrices import lower, pairs, slope_products
+from .element_matrices import gradient_products, lower, pairs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,8 +62,8 @@ class ActiveOperator(Operator):
         # t in the reference triangle, so that F t = ∂x/∂ξ τ
         self.along = inverse[:, 0] * tangent[0] + inverse[:, 1] * tangent[1]
         self.weights = term.stress * (inside * quadrature.weights)[within]
-        self.slopes = quadrature.derivatives
-        self.products = slope_products(self.slopes)
+        self.gradients = quadrature.derivatives
+        self.products = gradient_products(self.gradients)
         self.entries = Entries(*lower(*pairs(self.triangles)))
 
     def during(self, state: State, step: TimeStep) -> ActivePotential:
@@ -87,7 +87,7 @@ class ActivePotential(Potential):
         """Return energy and derivatives at x."""
         operator = self.operator
         at_nodes = (operator.body.nodes + x.reshape(-1, 2).T)[:, operator.triangles]
-        fibre = np.einsum("iae,amq,mqe->iqe", at_nodes, operator.slopes, operator.along, optimize=True)
+        fibre = np.einsum("iae,amq,mqe->iqe", at_nodes, operator.gradients, operator.along, optimize=True)
         return ActiveEvaluation(self, fibre)
 
 
@@ -104,7 +104,7 @@ class ActiveEvaluation(Evaluation):
         """Return ∫ σ (F t)·(∂v t) dA and the sum of squares of the point forces."""
         operator = self.potential.operator
         pull = self.potential.weights * self.fibre
-        forces = np.einsum("iqe,mqe,amq->iae", pull, operator.along, operator.slopes, optimize=True)
+        forces = np.einsum("iqe,mqe,amq->iae", pull, operator.along, operator.gradients, optimize=True)
         dofs: Integers = 2 * operator.triangles[None] + np.arange(2)[:, None, None]
         return add_up(dofs, forces, 2 * operator.body.nodes.shape[1]), float(np.vdot(pull, pull))
 

@@ -9,9 +9,9 @@ from ..arrays import Array, Integers
 LOW, HIGH = np.tril_indices(6)[::-1]  # the 21 pairs of nodes of a quadratic triangle
 
 
-def slope_products(slopes: Array) -> Array:
-    """Return ∂N_a ∂N_b of each pair for the symmetric components xx, xy, yy, (21, 3 q); slopes: (6, 2, q)."""
-    product = slopes[LOW][:, :, None] * slopes[HIGH][:, None, :]
+def gradient_products(gradients: Array) -> Array:
+    """Return ∂N_a ∂N_b of each pair for the components xx, xy, yy, (21, 3 q), of gradients (6, 2, q)."""
+    product = gradients[LOW][:, :, None] * gradients[HIGH][:, None, :]
     parts = [product[:, 0, 0], product[:, 0, 1] + product[:, 1, 0], product[:, 1, 1]]
     return np.stack(parts, axis=1).reshape(len(LOW), -1)
 

@@ -17,7 +17,7 @@ Number = TypeVar("Number", np.float64, np.int64)
 
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 # derivative of the quadratic shape functions (start, middle, end) and their values at the Gauss points
-SLOPES = np.stack([GAUSS - 0.5, -2 * GAUSS, GAUSS + 0.5])
+DERIVATIVES = np.stack([GAUSS - 0.5, -2 * GAUSS, GAUSS + 0.5])
 SHAPES = np.stack([0.5 * GAUSS * (GAUSS - 1), 1 - GAUSS**2, 0.5 * GAUSS * (GAUSS + 1)])
 
 
@@ -33,7 +33,7 @@ class Line:
         self.curve = Curve(body.nodes[:, nodes], closed=len(nodes) % 2 == 0)
         self.edges = self.by_edge(nodes)
         self.dofs = 2 * self.edges[:, None] + np.arange(2)[None, :, None]
-        along = np.einsum("kim,kg->igm", self.curve.segments, SLOPES)
+        along = np.einsum("kim,kg->igm", self.curve.segments, DERIVATIVES)
         self.speed = np.hypot(*along)
         self.tangent = along / self.speed
 

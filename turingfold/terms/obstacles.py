@@ -11,7 +11,7 @@ from ..arrays import Array, Integers
 from ..geometry.body import Body
 from .boundary import boundary_edges
 
-REACH = 8.0  # a line goes on for so many body lengths, or until it meets the body
+EXTENSION = 8.0  # a line goes on for so many body lengths, or until it meets the body
 LEAST = 3.0  # clearances; lines shorter than this are left out
 
 
@@ -37,7 +37,7 @@ def continued(body: Body, clearance: float, base_line: bool) -> list[Obstacle]:
         way = body.nodes[:, boundary] - body.nodes[:, end, None]
         along, aside = outward @ way, np.abs(outward[0] * way[1] - outward[1] * way[0])
         met = along[(along > LEAST * clearance) & (aside < 2 * clearance)]
-        length = min(REACH * body.length, met.min(initial=np.inf) - clearance)
+        length = min(EXTENSION * body.length, met.min(initial=np.inf) - clearance)
         if length > LEAST * clearance:
             way = outward[:, None] * np.array([0.0, length])
             found.append(Obstacle(name, body.nodes[:, end, None] + way, end))

@@ -39,10 +39,10 @@ def check_skull(body: Body, skull: Array) -> None:
         ground = np.setdiff1d(body.mesh.boundary_facets(), body.mesh.boundaries["pial"])
         ways += [*_links(skull, surface[:, 0], surface[:, -1]), _sides(body, ground)]
         surface = surface[:, 1:-1]
-    room = shapely.union_all(
+    interior = shapely.union_all(
         shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.union_all(ways))))
     )
-    outside = np.flatnonzero(~shapely.contains_xy(room, *surface))
+    outside = np.flatnonzero(~shapely.contains_xy(interior, *surface))
     if len(outside):
         raise ValueError(
             f"skull does not go round the body: the point {_shown(surface[:, outside[0]])} m of the pial "

@@ -11,7 +11,7 @@ from ..checks import finite, one_of, whole
 from ..geometry.body import Body
 from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
-from .line import SHAPES, SLOPES, WEIGHTS, DeadLoad, Line
+from .line import DERIVATIVES, SHAPES, WEIGHTS, DeadLoad, Line
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
@@ -117,13 +117,13 @@ class TensionOperator(Operator):
 
     def _line_forces(self, line: Array) -> Array:
         """Nodal forces of a line tension with fixed direction: -∫ γ T ∂_s v ds, (2 n_nodes,)."""
-        forces = -np.einsum("g,gm,igm,kg->kim", WEIGHTS, line, self.line.tangent, SLOPES)
+        forces = -np.einsum("g,gm,igm,kg->kim", WEIGHTS, line, self.line.tangent, DERIVATIVES)
         return self.line.nodal(forces)
 
     def _tractions(self, pattern: Array) -> Array:
         """Nodal forces of the tractions ±strength (∂_s û / max|∂_s û|) t, (2 n_nodes,)."""
         line = self.line
-        slope = np.einsum("km,kg->gm", pattern, SLOPES) / line.speed
+        slope = np.einsum("km,kg->gm", pattern, DERIVATIVES) / line.speed
         largest = np.abs(slope).max()
         if largest <= 1e-9 * np.abs(pattern).max() / line.curve.length:  # uniform but for round-off
             return np.zeros(2 * self.body.nodes.shape[1])
@@ -144,7 +144,7 @@ class FollowerTension(Potential):
         """Return energy and derivatives at x."""
         operator = self.operator
         at = operator.body.nodes + x.reshape(-1, 2).T
-        return FollowerEvaluation(self, np.einsum("ikm,kg->igm", at[:, operator.line.edges], SLOPES))
+        return FollowerEvaluation(self, np.einsum("ikm,kg->igm", at[:, operator.line.edges], DERIVATIVES))
 
 
 class FollowerEvaluation(Evaluation):
@@ -160,7 +160,7 @@ class FollowerEvaluation(Evaluation):
 
     def gradient(self) -> tuple[Array, float]:
         """Return ∫ γ T ∂_ξ v dξ."""
-        forces = np.einsum("gm,igm,kg->kim", self.weights, self.tangent, SLOPES)
+        forces = np.einsum("gm,igm,kg->kim", self.weights, self.tangent, DERIVATIVES)
         return self.potential.operator.line.nodal(forces), float(np.vdot(forces, forces))
 
     def hessian(self, convexity: float) -> Hessian:
@@ -170,6 +170,7 @@ class FollowerEvaluation(Evaluation):
         if convexity > 0:
             weights = np.where(weights < 0, (1 - convexity) * weights, weights)
         normal = np.stack([-self.tangent[1], self.tangent[0]])
-        blocks = np.einsum("gm,igm,jgm,kg,lg->kiljm", weights, normal, normal, SLOPES, SLOPES, optimize=True)
+        parts = weights, normal, normal, DERIVATIVES, DERIVATIVES
+        blocks = np.einsum("gm,igm,jgm,kg,lg->kiljm", *parts, optimize=True)
         values = blocks.reshape(6, 6, -1)[operator.pairs[0], operator.pairs[1]]
         return Hessian(operator.entries, values)

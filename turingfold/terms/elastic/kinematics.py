@@ -103,7 +103,7 @@ def tangents(
     """Return the weighted tangent at the points, with the share `convexity` of its negative part taken away.
 
     law: a, b of P = a H B + b C and c₁, c₂ of its derivative, each (q, e).
-    For equal components i: (2, 3, q, e), the xx, xy and yy coefficients of slopes; for components 0 and 1:
+    For equal components i: (2, 3, q, e), the xx, xy and yy coefficients of gradients; for components 0 and 1:
     (2, 2, q, e).
     """
     (a, b, c1, c2), w = law, metric.weights
@@ -126,10 +126,10 @@ def tangents(
 def _add_negative_part(
     share: float, same: Array, mixed: Array, metric: Metric, F: Array, law: tuple[Array, Array, Array, Array]
 ) -> None:
-    D, rest = metric.D, metric.weights.ravel()
+    D, areas = metric.D, metric.weights.ravel()
     for where, weights, vectors in negative_parts(F, np.sqrt(metric.out2), *law):
         V = np.zeros_like(F)
-        V.reshape(2, 2, -1)[:, :, where] = np.sqrt(share * rest[where] * weights) * vectors
+        V.reshape(2, 2, -1)[:, :, where] = np.sqrt(share * areas[where] * weights) * vectors
         V = V[:, :1] * D[:, 0] + V[:, 1:] * D[:, 1]
         same[:, ::2] += V * V
         same[:, 1] += V[:, 0] * V[:, 1]

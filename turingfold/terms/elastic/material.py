@@ -75,7 +75,7 @@ def energy(mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = 
     return np.asarray(0.5 * mu * (I1 * shrunk - 3.0) + 0.5 * kappa * (J - 1.0) ** 2)
 
 
-def slopes(
+def stress_coefficients(
     mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = None
 ) -> tuple[Array, Array]:
     """Return a, b of the first Piola stress P = a F + b ∂J/∂F."""
@@ -83,7 +83,7 @@ def slopes(
     return a, kappa * (J - 1.0) - a * I1 / (3.0 * J)
 
 
-def curvatures(
+def tangent_coefficients(
     mu: Array, kappa: Array, I1: Array, J: Array, shrunk: Array | None = None
 ) -> tuple[Array, Array]:
     """Return c₁, c₂ of ∂P/∂F = a 1 + c₁ (F⊗C + C⊗F) + c₂ C⊗C + b ∂C/∂F with C = ∂J/∂F."""

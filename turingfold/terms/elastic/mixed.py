@@ -34,9 +34,9 @@ class MixedOperator(MixedGeometry, Operator):
     def during(self, state: State, step: TimeStep) -> MixedPotential:
         """Return the energy with the growth and stiffness in `state`, starting from its inner unknowns."""
         growth, stiffness = at_points(self.body, state, "growth", 3), at_points(self.body, state, "stiffness")
-        spread = None if growth is None else self.points.spread_out(growth)
-        grown = metric(self.points.quadrature, self.points.tangent, spread)
-        share = np.ones_like(self.mu) if stiffness is None else self.points.spread_out(stiffness)
+        spread = None if growth is None else self.integration.spread_out(growth)
+        grown = metric(self.integration.quadrature, self.integration.tangent, spread)
+        share = np.ones_like(self.mu) if stiffness is None else self.integration.spread_out(stiffness)
         count = self.body.triangles.shape[1]
         bubble = state.fields.get("bubble", np.zeros((2, count)))
         pressure = state.fields.get("element_pressure", np.zeros((3, count)))
@@ -49,7 +49,7 @@ class MixedPotential(MixedEnergy, Potential):
     def evaluate(self, x: Array) -> MixedEvaluation | None:
         """Return energy and derivatives at x, or None where J* <= 0 with the last bubbles and without any."""
         for bubble in (self.bubble, np.zeros_like(self.bubble)):
-            at = kinematics(self.stretch(x, bubble, self.operator.points.slopes), self.metric)
+            at = kinematics(self.stretch(x, bubble, self.operator.integration.gradients), self.metric)
             if at is not None:
                 return MixedEvaluation(self, x, bubble, self.pressure, at).settled()
         return None

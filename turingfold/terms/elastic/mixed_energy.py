@@ -11,7 +11,7 @@ from ...arrays import Array
 from ...geometry.body import Body
 from ...parts import Entries
 from .kinematics import Metric, determinant_along, first_loss
-from .mixed_points import points_on
+from .mixed_points import integration_on
 
 
 class MixedGeometry:
@@ -19,8 +19,8 @@ class MixedGeometry:
 
     def __init__(self, body: Body, mu: Array, kappa: Array) -> None:
         """Compute the integration points and the places of the entries."""
-        self.body, self.points = body, points_on(body)
-        self.mu, self.kappa = self.points.spread_out(mu), self.points.spread_out(kappa)
+        self.body, self.integration = body, integration_on(body)
+        self.mu, self.kappa = self.integration.spread_out(mu), self.integration.spread_out(kappa)
         self.dofs = (2 * body.triangles[None] + np.arange(2)[:, None, None]).reshape(12, -1)
         self.low, self.high = np.tril_indices(12)
         one, other = self.dofs[self.low], self.dofs[self.high]
@@ -34,10 +34,10 @@ class MixedGeometry:
         nodes = x[self.dofs].reshape(2, 6, -1)
         return np.concatenate([nodes - nodes[:, :1], bubble[:, None]], axis=1)
 
-    def rest_stretch(self, slopes: Array) -> Array:
-        """Return ∂X/∂ξ, (2, 2, q, e), for slopes of the 7 shape functions, (7, 2q)."""
+    def reference_jacobian(self, gradients: Array) -> Array:
+        """Return ∂X/∂ξ, (2, 2, q, e), for gradients of the 7 shape functions, (7, 2q)."""
         corners = self.body.nodes[:, self.body.triangles]
-        flat = slopes[:6].T @ (corners - corners[:, :1])
+        flat = gradients[:6].T @ (corners - corners[:, :1])
         return np.asarray(flat.reshape(2, 2, -1, corners.shape[2]))
 
 
@@ -59,26 +59,26 @@ class MixedEnergy:
     @cached_property
     def bulk(self) -> Array:
         """A⁻¹, (3, 3, e)."""
-        N = self.operator.points.linear
+        N = self.operator.integration.linear
         A = np.einsum("kq,lq,qe->ekl", N, N, self.metric.weights / self.kappa)
         return np.ascontiguousarray(np.moveaxis(np.linalg.inv(A), 0, 2))
 
     @cached_property
-    def rest(self) -> float:
+    def cancelling_energy(self) -> float:
         """The energy ∫ 3μ/2 that cancels in the stress-free state."""
         return 1.5 * float(np.vdot(self.metric.weights, self.mu))
 
-    def stretch(self, x: Array, bubble: Array, slopes: Array) -> Array:
+    def stretch(self, x: Array, bubble: Array, gradients: Array) -> Array:
         """Return H = ∂x/∂ξ, (2, 2, q, e), of the nodal displacement x (2 n_nodes,) and the bubbles."""
-        return self.operator.rest_stretch(slopes) + self.change(x, bubble, slopes)
+        return self.operator.reference_jacobian(gradients) + self.change(x, bubble, gradients)
 
-    def change(self, x: Array, bubble: Array, slopes: Array) -> Array:
+    def change(self, x: Array, bubble: Array, gradients: Array) -> Array:
         """Return the gradients (2, 2, q, e) of a nodal displacement (2 n_nodes,) and of bubbles alone."""
         moves = self.operator.moves(x, bubble)
-        return np.asarray((slopes.T @ moves).reshape(2, 2, -1, moves.shape[2]))
+        return np.asarray((gradients.T @ moves).reshape(2, 2, -1, moves.shape[2]))
 
     def longest(self, H: Array, direction: Array, bubble: Array) -> float:
         """Return that step for nodes moving along direction and bubbles moving along bubble."""
-        dH = self.change(direction, bubble, self.operator.points.slopes)
+        dH = self.change(direction, bubble, self.operator.integration.gradients)
         now, linear, square = determinant_along(H, dH)
         return first_loss(0.9 * now, linear, square)

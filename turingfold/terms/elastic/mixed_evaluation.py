@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array
-from ...parts import Condensed, Fields, Hessian, Ray
+from ...parts import Condensed, Fields, Hessian, SearchLine
 from .kinematics import cauchy, deformation, determinant, tangents, von_mises
 from .mixed_energy import MixedEnergy
 from .mixed_points import Kinematics, Law, kinematics, law
@@ -30,17 +30,17 @@ class MixedEvaluation(Condensed):
         self.potential, self.x, self.bubble, self.at = potential, x, bubble, at
         self.pressure = pressure
         weights = potential.metric.weights
-        N = potential.operator.points.linear
+        N = potential.operator.integration.linear
         self.volume = N @ (weights * (at.J - 1))  # r, (3, e)
         self.own_pressure = _times(potential.bulk, self.volume)
         self.shear_energies = 0.5 * (weights * potential.mu * (at.I1 * at.shrink - 3.0)).sum(0)
         self.energies = self.shear_energies + 0.5 * (self.volume * self.own_pressure).sum(0)
         self.energy = float(self.energies.sum())
-        self.round_off = 1e-15 * (abs(self.energy) + potential.rest)
+        self.round_off = 1e-15 * (abs(self.energy) + potential.cancelling_energy)
 
     @cached_property
     def _own_law(self) -> Law:
-        N = self.potential.operator.points.linear
+        N = self.potential.operator.integration.linear
         return law(self.potential.mu, self.at, N.T @ self.own_pressure)
 
     @cached_property
@@ -49,7 +49,7 @@ class MixedEvaluation(Condensed):
         weights, l = self.potential.metric.weights, self._own_law
         shear = (weights * l.a) * self.at.HB
         P = shear + (weights * l.b) * self.at.C
-        return self.potential.operator.points.slopes @ P.reshape(2, -1, P.shape[3]), shear
+        return self.potential.operator.integration.gradients @ P.reshape(2, -1, P.shape[3]), shear
 
     def gradient(self) -> tuple[Array, float]:
         """Return the nodal forces (2 n_nodes,) and the sum of squares of the shear part of point forces."""
@@ -64,7 +64,7 @@ class MixedEvaluation(Condensed):
     @cached_property
     def _along_bubble(self) -> tuple[Array, Array]:
         """H B and C times the gradient of the bubble's shape function, each (2, q, e)."""
-        beta = self.potential.operator.points.bubble[:, :, None]
+        beta = self.potential.operator.integration.bubble[:, :, None]
         return (self.at.HB * beta).sum(1), (self.at.C * beta).sum(1)
 
     @property
@@ -84,7 +84,7 @@ class MixedEvaluation(Condensed):
     def _bubble_move(self) -> Array:
         """Newton's step of the bubbles alone, (2, e)."""
         potential, l = self.potential, self._own_law
-        weights, points = potential.metric.weights, potential.operator.points
+        weights, points = potential.metric.weights, potential.operator.integration
         S, C = self._along_bubble
         beta, (xx, xy, yy) = points.bubble[:, :, None], potential.metric.B
         stretch = xx * beta[0] ** 2 + 2 * xy * beta[0] * beta[1] + yy * beta[1] ** 2
@@ -121,7 +121,7 @@ class MixedEvaluation(Condensed):
 
     def displaced(self, move: Array) -> MixedEvaluation:
         """Return the evaluation with the bubbles moved by (2, e) within the admissible range."""
-        H = self.at.H + move[:, None, None] * self.potential.operator.points.bubble[:, :, None]
+        H = self.at.H + move[:, None, None] * self.potential.operator.integration.bubble[:, :, None]
         at = kinematics(H, self.potential.metric)
         assert at is not None  # the step keeps a tenth of J*
         return MixedEvaluation(self.potential, self.x, self.bubble + move, self.pressure, at)
@@ -144,13 +144,13 @@ class MixedEvaluation(Condensed):
 
     def _integrated(self, convexity: float) -> Array:
         """Return the element matrices of all 14 unknowns, component by component, (14, 14, e)."""
-        potential, points = self.potential, self.potential.operator.points
+        potential, points = self.potential, self.potential.operator.integration
         at, l = self.at, law(potential.mu, self.at, points.linear.T @ self.pressure)
         same, mixed = tangents(potential.metric, at.H, at.HB, at.C, (l.a, l.b, l.c1, l.c2), convexity)
         q, e = at.J.shape
         K: Array = np.einsum("kie,kje->ije", self.volume_slope, _times(potential.bulk, self.volume_slope))
-        equal = (points.same @ same.reshape(2, 3 * q, e)).reshape(2, 7, 7, e)
-        other = (points.mixed @ mixed.reshape(4 * q, e)).reshape(7, 7, e)
+        equal = (points.diagonal_products @ same.reshape(2, 3 * q, e)).reshape(2, 7, 7, e)
+        other = (points.cross_products @ mixed.reshape(4 * q, e)).reshape(7, 7, e)
         K[:7, :7] += equal[0]
         K[7:, 7:] += equal[1]
         K[:7, 7:] += other
@@ -160,7 +160,7 @@ class MixedEvaluation(Condensed):
     @cached_property
     def volume_slope(self) -> Array:
         """∂r/∂(all 14 unknowns), (3, 14, e)."""
-        points, (q, e) = self.potential.operator.points, self.at.J.shape
+        points, (q, e) = self.potential.operator.integration, self.at.J.shape
         weighted = self.potential.metric.weights * self.at.C
         product = points.volume @ weighted.reshape(2, 2 * q, e)
         return np.ascontiguousarray(product.reshape(2, 3, 7, e).transpose(1, 0, 2, 3)).reshape(3, 14, e)
@@ -181,7 +181,7 @@ class MixedEvaluation(Condensed):
         Also what is wanted of stress (xx, yy, xy, zz; Pa), J* and moduli (μ, κ; Pa), at the body's points.
         """
         found = {"bubble": self.bubble, "element_pressure": self.own_pressure}
-        back = self.potential.operator.points.spread_back
+        back = self.potential.operator.integration.spread_back
         if {"cauchy_stress", "elastic_volume"} & wanted:
             F, out2, I1, J, pressure = self._shown
             if "cauchy_stress" in wanted:
@@ -195,7 +195,7 @@ class MixedEvaluation(Condensed):
     def observe(self) -> Fields:
         """Return von Mises stress and pressure (3D Cauchy stress, Pa) and J* at the body's points, (p, e)."""
         F, out2, I1, J, pressure = self._shown
-        mu = self.potential.operator.points.spread_back @ self.potential.mu
+        mu = self.potential.operator.integration.spread_back @ self.potential.mu
         return {"von_mises": von_mises(mu, F, out2, I1, J), "pressure": pressure, "jacobian": J}
 
     def measure(self) -> dict[str, float]:
@@ -205,19 +205,19 @@ class MixedEvaluation(Condensed):
     @property
     def _shown(self) -> tuple[Array, Array, Array, Array, Array]:
         """F*, F*_zz², I₁, J* and pressure at the body's integration points."""
-        potential, points = self.potential, self.potential.operator.points
+        potential, points = self.potential, self.potential.operator.integration
         H = potential.stretch(self.x, self.bubble, points.shown)
         back = points.spread_back
         F, out2 = deformation(H, back @ potential.metric.D), back @ potential.metric.out2
         I1, J = (F**2).sum(1).sum(0) + out2, determinant(F) * np.sqrt(out2)
         return F, out2, I1, J, -np.einsum("kq,ke->qe", points.linear_shown, self.own_pressure)
 
-    def along(self, direction: Array, decrease: float) -> MixedRay:
-        """Return the ray along `direction` (2 n_nodes,); decrease: slope of the total energy along it."""
-        return MixedRay(self, direction, decrease)
+    def along(self, direction: Array, decrease: float) -> MixedSearchLine:
+        """Return the search line along `direction` (2 n_nodes,); decrease: slope of all energy along it."""
+        return MixedSearchLine(self, direction, decrease)
 
 
-class MixedRay(Ray):
+class MixedSearchLine(SearchLine):
     """The energy along x + s dx, b + s db, as the search sees it.
 
     The merit is the augmented Lagrangian of r = A p with the pressure p⁺ = A⁻¹ (r + ∂r) that a Newton step
@@ -235,8 +235,8 @@ class MixedRay(Ray):
         self._target = start.volume + change  # A p⁺
         self._pressure = _times(potential.bulk, self._target)
         stiff = (change * _times(potential.bulk, change)).sum(0)
-        rest = -decrease - float(stiff.sum())  # curvature of everything but the volume
-        needed = min(1.0, -2 * rest / float(stiff.sum())) if rest < 0 else 0.0
+        others = -decrease - float(stiff.sum())  # curvature of everything but the volume
+        needed = min(1.0, -2 * others / float(stiff.sum())) if others < 0 else 0.0
         ratio = (potential.mu / potential.kappa).max(0)
         self._epsilon = np.maximum(needed, np.minimum(1.0, PENALTY * ratio))
         self.start = self._merit(start)
@@ -253,7 +253,7 @@ class MixedRay(Ray):
         start, potential = self._from, self._from.potential
         x, bubble = start.x + step * self._direction, start.bubble + step * self._bubble
         pressure = start.pressure + step * (self._pressure - start.pressure)
-        H = potential.stretch(x, bubble, potential.operator.points.slopes)
+        H = potential.stretch(x, bubble, potential.operator.integration.gradients)
         at = kinematics(H, potential.metric)
         if at is None:
             return None

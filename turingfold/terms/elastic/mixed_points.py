@@ -21,33 +21,34 @@ ORDER = 6
 
 
 @dataclass(frozen=True)
-class Points:
+class Integration:
     """The integration points of the mixed element on a body.
 
-    quadrature: of order 6.  tangent: of the nearest pial point, (2, q, e).  slopes: of the 7 shape functions,
-    (7, 2q); of the bubble alone, (2, q).  linear: shape functions of the pressure, (3, q).
-    shown: slopes at the body's own points, (7, 2p), and linear_shown: (3, p).
+    quadrature: of order 6.  tangent: of the nearest pial point, (2, q, e).  gradients: of the 7 shape
+    functions, (7, 2q); of the bubble alone, (2, q).  linear: shape functions of the pressure, (3, q).
+    shown: gradients at the body's own points, (7, 2p), and linear_shown: (3, p).
     spread, spread_back: from values at the body's points to values here and back, (q, p) and (p, q).
-    same, mixed: products of slopes, (49, 3q) and (49, 4q), to integrate tangents of one and two components.
-    volume: products of pressures' shape functions and slopes, (21, 2q).
+    diagonal_products, cross_products: of gradients, (49, 3q) and (49, 4q), to integrate tangents of one and
+    of two components.
+    volume: products of pressures' shape functions and gradients, (21, 2q).
     """
 
     quadrature: Quadrature
     tangent: Array
-    slopes: Array
+    gradients: Array
     linear: Array
     shown: Array
     linear_shown: Array
     spread: Array
     spread_back: Array
-    same: Array
-    mixed: Array
+    diagonal_products: Array
+    cross_products: Array
     volume: Array
 
     @property
     def bubble(self) -> Array:
         """Gradient of the bubble's shape function, (2, q)."""
-        return np.asarray(self.slopes[6].reshape(2, -1))
+        return np.asarray(self.gradients[6].reshape(2, -1))
 
     def spread_out(self, values: Array) -> Array:
         """Return positive values given at the body's points, (..., p, e), at the points here, (..., q, e).
@@ -57,29 +58,29 @@ class Points:
         return np.asarray(np.exp(self.spread @ np.log(values)))
 
 
-def points_on(body: Body) -> Points:
+def integration_on(body: Body) -> Integration:
     """Return the integration points of the mixed element on a body."""
     quadrature = Quadrature.of(Basis(body.mesh, ElementTriP2(), intorder=ORDER))
     flat = quadrature.points.reshape(2, -1)
     tangent = body.pial_curves.nearest(flat)[1].reshape(quadrature.points.shape)
     here, there = quadrature.shapes, body.quadrature.shapes
-    slopes = np.concatenate([quadrature.derivatives, _bubble_slope(_corners(here))[None]])
+    gradients = np.concatenate([quadrature.derivatives, _bubble_slope(_corners(here))[None]])
     shown = np.concatenate([body.quadrature.derivatives, _bubble_slope(_corners(there))[None]])
     q = here.shape[1]
-    pairs = slopes[:, None, :, None] * slopes[None, :, None, :]  # (7, 7, m, n, q)
+    pairs = gradients[:, None, :, None] * gradients[None, :, None, :]  # (7, 7, m, n, q)
     equal = np.stack([pairs[:, :, 0, 0], pairs[:, :, 0, 1] + pairs[:, :, 1, 0], pairs[:, :, 1, 1]], axis=2)
-    return Points(
+    return Integration(
         quadrature=quadrature,
         tangent=tangent,
-        slopes=slopes.reshape(7, 2 * q),
+        gradients=gradients.reshape(7, 2 * q),
         linear=_corners(here),
         shown=shown.reshape(7, -1),
         linear_shown=_corners(there),
         spread=here.T @ np.linalg.pinv(there.T),
         spread_back=there.T @ np.linalg.pinv(here.T),
-        same=equal.reshape(49, 3 * q),
-        mixed=pairs.reshape(49, 4 * q),
-        volume=(_corners(here)[:, None, None] * slopes).reshape(21, 2 * q),
+        diagonal_products=equal.reshape(49, 3 * q),
+        cross_products=pairs.reshape(49, 4 * q),
+        volume=(_corners(here)[:, None, None] * gradients).reshape(21, 2 * q),
     )
 
 

@@ -19,7 +19,7 @@ from ...arrays import Array, Integers, add_up
 from ...geometry.body import Body
 from ...parts import Entries, Evaluation, Fields, Hessian, Operator, Potential, TimeStep
 from ...state import State
-from ..element_matrices import lower, pairs, slope_products
+from ..element_matrices import gradient_products, lower, pairs
 from ..point_fields import at_points
 from . import material
 from .kinematics import (
@@ -43,11 +43,11 @@ class ElasticOperator(Operator):
 
     def __init__(self, body: Body, mu: Array, kappa: Array) -> None:
         self.body, self.mu, self.kappa = body, mu, kappa
-        slopes = body.quadrature.derivatives
-        q = slopes.shape[2]
-        self.slopes = slopes.reshape(6, 2 * q)
-        self.same = slope_products(slopes)
-        self.mixed = (slopes[:, None, :, None] * slopes[None, :, None, :]).reshape(36, 4 * q)
+        gradients = body.quadrature.derivatives
+        q = gradients.shape[2]
+        self.gradients = gradients.reshape(6, 2 * q)
+        self.diagonal_products = gradient_products(gradients)
+        self.cross_products = (gradients[:, None, :, None] * gradients[None, :, None, :]).reshape(36, 4 * q)
         self.entries = Entries(*self._places())
         self.dofs = 2 * body.triangles[None] + np.arange(2)[:, None, None]  # (2, 6, e)
         centred = body.nodes - body.nodes.mean(axis=1, keepdims=True)  # round-off of a body far away
@@ -63,7 +63,7 @@ class ElasticOperator(Operator):
     def gradient(self, values: Array) -> Array:
         """Return ∂/∂ξ at the integration points, (2, 2, q, e), of nodal vectors (2 n_nodes,)."""
         at_nodes = np.take(values.reshape(-1, 2).T, self.body.triangles, axis=1)
-        return (self.slopes.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
+        return (self.gradients.T @ at_nodes).reshape(2, 2, -1, at_nodes.shape[2])
 
     def stretch(self, x: Array) -> Array:
         """Return H = ∂x/∂ξ, (2, 2, q, e), of the displacement x (2 n_nodes,)."""
@@ -91,7 +91,7 @@ class ElasticPotential(Potential):
     kappa: Array
 
     @cached_property
-    def rest(self) -> float:
+    def cancelling_energy(self) -> float:
         """The energy ∫ 3μ/2 that cancels in the stress-free state."""
         return 1.5 * float(np.vdot(self.metric.weights, self.mu))
 
@@ -115,11 +115,11 @@ class ElasticEvaluation(Evaluation):
         self.law = potential.mu, potential.kappa, self.I1, J, material.shrink(J)
         density = material.energy(*self.law)
         self.energy = float(np.vdot(m.weights, density))
-        self.round_off = 1e-15 * (abs(self.energy) + potential.rest)
+        self.round_off = 1e-15 * (abs(self.energy) + potential.cancelling_energy)
 
     @cached_property
     def _slopes(self) -> tuple[Array, Array]:
-        return material.slopes(*self.law)
+        return material.stress_coefficients(*self.law)
 
     @cached_property
     def _cofactor(self) -> Array:
@@ -134,19 +134,19 @@ class ElasticEvaluation(Evaluation):
         weights = self.potential.metric.weights
         shear = (weights * a) * self.HB
         P = shear + (weights * b) * self._cofactor
-        forces = operator.slopes @ P.reshape(2, -1, P.shape[3])  # (2, 6, e)
+        forces = operator.gradients @ P.reshape(2, -1, P.shape[3])  # (2, 6, e)
         total = add_up(operator.dofs, forces, 2 * operator.body.nodes.shape[1])
         return total, float(np.vdot(shear, shear))
 
     def hessian(self, convexity: float) -> Hessian:
         """Return the tangent, with the share `convexity` of its negative part at each point taken away."""
         operator, m, (a, b) = self.potential.operator, self.potential.metric, self._slopes
-        c1, c2 = material.curvatures(*self.law)
+        c1, c2 = material.tangent_coefficients(*self.law)
         same, mixed = tangents(m, self.H, self.HB, self._cofactor, (a, b, c1, c2), convexity)
         q, e = a.shape
         values = np.empty((78, e))
-        np.matmul(operator.same, same.reshape(2, 3 * q, e), out=values[:42].reshape(2, 21, e))
-        np.matmul(operator.mixed, mixed.reshape(4 * q, e), out=values[42:])
+        np.matmul(operator.diagonal_products, same.reshape(2, 3 * q, e), out=values[:42].reshape(2, 21, e))
+        np.matmul(operator.cross_products, mixed.reshape(4 * q, e), out=values[42:])
         return Hessian(operator.entries, values)
 
     def largest_step(self, direction: Array) -> float:
