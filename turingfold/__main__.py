@@ -1,6 +1,6 @@
 """Run the command line: python -m turingfold."""
 
-from .cli.main import main
+from .cli.start import main
 
 if __name__ == "__main__":
     raise SystemExit(main())

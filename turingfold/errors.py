@@ -28,6 +28,10 @@ class NotConvergedError(SolveError):
     """An equilibrium or steady state was not reached."""
 
 
+class OutOfMemoryError(SolveError):
+    """A solve that does not fit into the memory that is left."""
+
+
 class RoundOffError(NotConvergedError):
     """A residual that round-off keeps above the tolerance, whatever the step."""
 

@@ -239,3 +239,32 @@ def test_a_table_grows_as_points_end_and_outlives_what_comes_after(tmp_path, mon
     with pytest.raises(RuntimeError, match="no picture"):
         main(["sweep", "patch", "--quick", "--vary", "cortex=1.01,1.02"])
     assert seen == [[], ["cortex=1.01"], ["cortex=1.01", "cortex=1.02"]]
+
+
+INTERRUPTS = """
+import runpy, sys
+
+class Interrupts:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            {raised}
+
+sys.meta_path.insert(0, Interrupts())
+sys.argv = ["turingfold", "list"]
+runpy.run_module("turingfold", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "raised"),
+    [
+        ("turingfold.cli.main", "raise KeyboardInterrupt"),
+        ("turingfold.cli.parser", "raise KeyboardInterrupt"),
+        ("turingfold.errors", "raise KeyboardInterrupt"),
+        ("turingfold.errors", "raise RuntimeError('in a class') from KeyboardInterrupt()"),
+    ],
+)
+def test_ctrl_c_while_modules_are_imported_is_no_traceback(module, raised):
+    code = INTERRUPTS.format(module=module, raised=raised)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.strip()) == (130, "turingfold: stopped.")

@@ -43,6 +43,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _failed(options, words, INTERRUPTED)
     except KeyboardInterrupt:
         return _failed(options, "stopped.", INTERRUPTED)
+    except Exception as error:
+        if _interrupted(error):
+            return _failed(options, "stopped.", INTERRUPTED)
+        raise
 
 
 def run_case(file: str) -> None:
@@ -74,6 +78,15 @@ def _done(options: argparse.Namespace) -> int:
             return _failed(options, words, IO_FAILED)
         except ValueError as error:
             return _failed(options, str(error), BAD_INPUT)
+        except MemoryError as error:
+            return _failed(options, f"memory is over ({error}); use larger elements.", STOPPED)
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C is behind an error: libraries that are being imported make others of it."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _failed(options: argparse.Namespace, message: str, status: int) -> int:

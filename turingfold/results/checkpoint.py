@@ -30,6 +30,7 @@ def to_arrays(checkpoint: Checkpoint) -> Arrays:
     progress, parts = checkpoint.progress, checkpoint.seconds_by_part
     arrays: Arrays = {f"field.{name}": values for name, values in progress.state.fields.items()}
     arrays["numbers"] = np.array([progress.state.time, progress.dt, progress.previous_dt, checkpoint.seconds])
+    arrays["usual_dt"] = np.array(progress.usual_dt)
     arrays["step"] = np.array(checkpoint.step)
     arrays["parts"], arrays["seconds"] = np.array(list(parts), dtype=np.str_), np.array(list(parts.values()))
     if progress.past:
@@ -64,6 +65,7 @@ def _checkpoint(arrays: Arrays) -> Checkpoint:
     if "past.times" in arrays:
         pairs = zip(arrays["past.times"].tolist(), arrays["past.displacements"], strict=True)
         past = tuple(Past(*pair) for pair in pairs)
-    progress = Progress(State(time, fields), dt, previous_dt, past, memory)
+    usual_dt = float(arrays.get("usual_dt", np.array(dt)))
+    progress = Progress(State(time, fields), dt, previous_dt, past, memory, usual_dt)
     parts = dict(zip(arrays["parts"].tolist(), arrays["seconds"].tolist(), strict=True))
     return Checkpoint(progress, int(arrays["step"]), seconds, parts)

@@ -10,6 +10,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from ..arrays import Array, Integers
 from ..errors import NotConvergedError
+from .memory import SUPERLU, check_memory
 from .sparsity import Sparsity
 
 
@@ -41,7 +42,8 @@ class Indefinite:
     """Factorises symmetric, possibly indefinite matrices of one sparsity by SuperLU, rows in order."""
 
     def __init__(self, sparsity: Sparsity) -> None:
-        """Find the ordering."""
+        """Find the ordering; raises OutOfMemoryError where its factors do not fit into memory."""
+        check_memory(sparsity.n, len(sparsity.keys), SUPERLU)
         self._n = sparsity.n
         self._on_diagonal = sparsity.rows == sparsity.columns
         marks = np.arange(1.0, len(sparsity.keys) + 1)  # of the entries, to find them again after reordering

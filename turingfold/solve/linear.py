@@ -16,6 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import NotConvergedError
 from .inertia import Factors, Indefinite
+from .memory import CHOLMOD, check_memory
 from .sparsity import Sparsity
 
 
@@ -37,6 +38,7 @@ class Cholmod:
     """Supernodal Cholesky factorisation by CHOLMOD, its symbolic part done once per sparsity."""
 
     def __init__(self, sparsity: Sparsity) -> None:
+        check_memory(sparsity.n, len(sparsity.keys), CHOLMOD)
         from cvxopt import cholmod, matrix, spmatrix
 
         self._matrix, self._cholmod = matrix, cholmod

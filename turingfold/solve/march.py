@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InadmissibleStateError, NotConvergedError, RoundOffError, SolveError, StepTooLongError
+from ..errors import (
+    InadmissibleStateError,
+    NotConvergedError,
+    OutOfMemoryError,
+    RoundOffError,
+    SolveError,
+    StepTooLongError,
+)
 from ..geometry.body import by_node
 from ..parts import TimeStep
 from ..scene import Scene
@@ -63,6 +69,7 @@ class Progress:
     """Where a march stands between two steps: enough to go on exactly as if it had not been interrupted.
 
     previous_dt: length of the last step, to the last bit.
+    usual_dt: length of steps before they had to be shortened, which is forgotten by and by.
     past: earlier equilibria, the newest last, to predict the next one from.
     memory: what the minimiser carries from step to step.
     """
@@ -72,17 +79,12 @@ class Progress:
     previous_dt: float = 0.0
     past: tuple[Past, ...] = ()
     memory: Memory | None = None
+    usual_dt: float = 0.0
 
     @property
     def equilibria(self) -> tuple[Past, ...]:
         """The latest equilibria and the present one."""
         return (*self.past, Past(self.state.time, self.state["displacement"]))
-
-    @property
-    def longest(self) -> float:
-        """The longest of the latest steps; 0 without any."""
-        times = [past.time for past in self.equilibria]
-        return max((after - before for before, after in pairwise(times)), default=0.0)
 
 
 def begin(scene: Scene, problem: Problem | None = None) -> Progress:
@@ -114,12 +116,12 @@ def march(
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
         dt = _length(progress, stepping, until)
-        snaps = failures >= PATIENCE or bool(failures and dt < progress.longest / 2**PATIENCE)
+        snaps = failures >= PATIENCE or bool(failures and dt < progress.usual_dt / 2**PATIENCE)
         try:
             step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=snaps)
-        except RoundOffError as error:
-            words = f"The march stopped at t = {progress.state.time:.6g} of {until:g}: {error}."
-            raise NotConvergedError(words, time=progress.state.time, residual=error.residual) from error
+        except (RoundOffError, OutOfMemoryError, MemoryError) as error:  # no other step would do
+            minimiser.forget()
+            raise _hopeless(progress.state, until, error) from error
         except StepTooLongError as error:
             if error.length < stepping.smallest * until:
                 raise _stopped(progress.state, until, error) from error
@@ -140,12 +142,13 @@ def march(
         failures, past = 0, progress.equilibria[-REMEMBERED:]
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
-            onward, past = max(progress.longest, dt), ()
+            onward, past = max(progress.usual_dt, dt), ()
         onward = min(onward, step.longest_next)
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next
             onward = max(onward, progress.dt)
-        progress = Progress(step.state, onward, dt, past, minimiser.memory)
+        usual = max(progress.usual_dt / LONGER if past else progress.usual_dt, dt)
+        progress = Progress(step.state, onward, dt, past, minimiser.memory, usual)
         yield step, progress
 
 
@@ -233,6 +236,14 @@ def _stopped(state: State, until: float, cause: SolveError) -> NotConvergedError
         time=state.time,
         residual=cause.residual,
     )
+
+
+def _hopeless(state: State, until: float, cause: Exception) -> SolveError:
+    words = f"The march stopped at t = {state.time:.6g} of {until:g}: "
+    if isinstance(cause, RoundOffError):
+        return NotConvergedError(f"{words}{cause}.", time=state.time, residual=cause.residual)
+    lacks = cause if isinstance(cause, OutOfMemoryError) else f"memory is over ({cause}); use larger elements"
+    return OutOfMemoryError(f"{words}{lacks}. The last good state is kept.", time=state.time)
 
 
 def _out_of_time(state: State, scene: Scene) -> NotConvergedError:
