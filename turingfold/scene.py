@@ -136,15 +136,18 @@ def _check_scheme(
         )
 
 
+def _nearest(name: str, known: set[str]) -> str:
+    near = get_close_matches(name, known, 1)
+    return f"did you mean {near[0]!r}? Or " if near else ""
+
+
 def _check_reads(part: Part, written: set[str]) -> None:
     for name in part.reads:
         if name not in written:
-            near = get_close_matches(name, written, 1)
-            meant = f"did you mean {near[0]!r}? Or " if near else ""
             raise MissingFieldError(
                 f"{type(part).__name__} reads the field {name!r}, which no earlier process writes "
-                f"(written: {', '.join(sorted(written))}); {meant}add a process that writes it, before this "
-                "part."
+                f"(written: {', '.join(sorted(written))}); {_nearest(name, written)}add a process that "
+                "writes it, before this part."
             )
 
 
@@ -161,10 +164,8 @@ def _check_read(process: Process, processes: Iterable[Process], terms: Iterable[
     read = {name for part in (*processes, *terms) for name in _read_by(part) if part is not process}
     for name in process.writes:
         if name not in read and name not in process.keeps:
-            near = get_close_matches(name, read, 1)
-            meant = f"did you mean {near[0]!r}? Or " if near else ""
             raise ValueError(
                 f"{type(process).__name__} writes the field {name!r}, which no other part of the scene reads "
-                f"(read: {', '.join(sorted(read)) or 'none'}); {meant}add the term that it is for, or leave "
-                "the process out (its `keeps` names fields that need no reader)."
+                f"(read: {', '.join(sorted(read)) or 'none'}); {_nearest(name, read)}add the term that it is "
+                "for, or leave the process out (its `keeps` names fields that need no reader)."
             )

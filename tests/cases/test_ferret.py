@@ -33,9 +33,10 @@ CASES = Path(__file__).parents[2] / "cases"
 SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
 
 
-def brain(thickness, layers):
-    size = thickness / layers
-    return semicircle(radius=1.0, thickness=thickness, size=size, base="roller", layers="sigmoid")
+def brain(thickness, elements):
+    return semicircle(
+        radius=1.0, thickness=thickness, elements=elements, base="roller", layers="sigmoid"
+    )
 
 
 def run(case, **changes):
@@ -179,7 +180,7 @@ def not_in_the_plane(reason):
     return pytest.mark.xfail(strict=True, raises=AssertionError, reason=reason)
 
 
-@pytest.fixture(scope="module", params=[0, 1, 2], ids="seed{}".format)
+@pytest.fixture(scope="module", params=[0, 1], ids="seed{}".format)
 def malformations(request):
     return run("ferret_malformations", seed=request.param)
 
@@ -240,9 +241,9 @@ def test_a_local_thin_cortex_folds_finely_in_its_zone_only(malformations):
 @pytest.mark.slow
 def test_after_folding_the_fold_number_is_inverse_to_the_thickness():
     products = []
-    for thickness, layers in ((0.2, 4), (0.1, 3), (0.05, 2.5)):
+    for thickness, elements in ((0.2, 4), (0.1, 3), (0.05, 2.5)):
         processes = (TangentialGrowth(cortex=2.2), Imperfection(amplitude=0.02))
-        scene = Scene(body=brain(thickness, layers), terms=(SOLID, SelfContact()), processes=processes)
+        scene = Scene(body=brain(thickness, elements), terms=(SOLID, SelfContact()), processes=processes)
         products.append(thickness * fold_count(whole(simulate(scene).pial()), closed=True))
     assert products == pytest.approx(np.full(3, np.mean(products)), rel=0.15)
 

@@ -79,13 +79,18 @@ def read_image(image: Any, plane: str, pixel_mm: float | None) -> Image:
     return _from_nibabel(_loaded(file), file.name)
 
 
-def _loaded(file: Path) -> Any:
+def nibabel_for(file: Path) -> Any:
+    """Return the library that reads a file; raises ValueError, with the remedy, where it is missing."""
     try:
-        nibabel: Any = import_module("nibabel")
+        return import_module("nibabel")
     except ImportError as error:
         raise ValueError(
             f"{file.name} needs nibabel, which is missing: pip install 'turingfold[images]'."
         ) from error
+
+
+def _loaded(file: Path) -> Any:
+    nibabel = nibabel_for(file)
     try:
         return nibabel.load(file)
     except (nibabel.filebasedimages.ImageFileError, nibabel.spatialimages.HeaderDataError, *DAMAGE) as error:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 from xml.parsers.expat import ExpatError
@@ -15,7 +14,7 @@ from shapely import Polygon
 
 from ..arrays import Array, Integers
 from ..checks import file_path, finite, finite_array, one_of
-from .image import DAMAGE, PLANES
+from .image import DAMAGE, PLANES, nibabel_for
 from .section import Section
 from .units import metres
 
@@ -86,12 +85,7 @@ def _surfaces(name: str, given: Any) -> list[tuple[Array, Integers, str]]:
 def _read(name: str, path: Any) -> tuple[tuple[Any, Any], str]:
     """Return the vertices and triangles in a file."""
     file: Path = file_path(name, path, "a surface in GIFTI or FreeSurfer's format")
-    try:
-        nibabel: Any = import_module("nibabel")
-    except ImportError as error:
-        raise ValueError(
-            f"{file.name} needs nibabel, which is missing: pip install 'turingfold[images]'."
-        ) from error
+    nibabel = nibabel_for(file)
     try:
         if file.suffix.lower() == ".gii":
             image = nibabel.load(file)

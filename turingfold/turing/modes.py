@@ -143,9 +143,3 @@ def largest_isolating_ratio(found: Conditions, mode: Mode, others: list[Mode]) -
         middle = 0.5 * (low + high)
         low, high = (middle, high) if alone(middle) else (low, middle)
     return low
-
-
-def growing_modes(found: Conditions, modes: list[Mode]) -> list[Mode]:
-    """Return the modes that grow under the conditions examined."""
-    low, high = found.band
-    return [mode for mode in modes if low < mode.value < high]
