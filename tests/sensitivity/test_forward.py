@@ -1,5 +1,7 @@
 """Sensitivities against equilibria that are solved again with other parameters; what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small import folding_scene
@@ -7,6 +9,7 @@ from small import folding_scene
 from turingfold import (
     Drag,
     Imperfection,
+    NotConvergedError,
     Stepping,
     StressGrowth,
     TangentialGrowth,
@@ -29,8 +32,6 @@ PARAMETERS = (
 
 @pytest.fixture(scope="module")
 def result():
-    from dataclasses import replace
-
     made = folding_scene()
     processes = (*made.processes, Imperfection(amplitude=0.02))
     steps = replace(made.stepping, tolerance=1e-10)
@@ -53,6 +54,23 @@ def solved_again(result, parameter, value):
 @pytest.fixture(scope="module")
 def found(result):
     return sensitivity(result, to=PARAMETERS)
+
+
+def moved_by(result, length):
+    """Return the result with its last state moved into the body's middle, by at most a length."""
+    state, depth = result.last, result.scene.body.nodes / result.scene.body.length
+    shifted = state.updated(displacement=state["displacement"] - length * depth / np.abs(depth).max())
+    return replace(result, states=(*result.states[:-1], shifted))
+
+
+def test_a_state_beside_its_equilibrium_has_the_derivatives_of_the_equilibrium(result, found):
+    beside = sensitivity(moved_by(result, 1e-5 * result.scene.body.thickness), to=PARAMETERS)
+    np.testing.assert_allclose(beside.derivatives, found.derivatives, rtol=1e-4)
+
+
+def test_a_state_far_from_its_equilibrium_is_refused(result):
+    with pytest.raises(NotConvergedError, match="thicknesses of the cortex away"):
+        sensitivity(moved_by(result, 0.1 * result.scene.body.thickness), to=PARAMETERS[:1])
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS)
