@@ -26,10 +26,10 @@ from turingfold.parts import (
     TimeStep,
 )
 from turingfold.scene import Scene
-from turingfold.solve import march as march_module
 from turingfold.solve.march import begin, march
 from turingfold.solve.newton import Minimiser
 from turingfold.solve.problem import Problem
+from turingfold.solve.snap import Creep
 from turingfold.state import State
 from turingfold.stepping import Stepping
 from turingfold.terms.contact import SelfContact
@@ -526,49 +526,69 @@ def test_a_process_is_given_the_last_equilibrium_whole(body, element):
         assert np.abs(stress).max() > 1e-2
 
 
-def test_after_a_snap_steps_are_as_long_as_before_it(body, monkeypatch):
-    attempt, tried = march_module._attempt, []
+@dataclass
+class Attempt:
+    time: float
+    dt: float
+    snaps: bool = False
+    minimiser: Minimiser | None = None
 
-    def hindered(problem, minimiser, progress, dt, began, *, snaps):
-        tried.append((progress.state.time, dt, len(progress.past)))
-        if abs(progress.state.time - 0.4) < 1e-9 and not snaps:
+
+def attempts(monkeypatch, refused=lambda time: False):
+    """Return a list of steps tried from now on; those from a time that is refused fail unless they snap."""
+    tried = []
+    processed, minimise, to_minimum = Problem.processed, Minimiser.minimise, Creep.to_minimum
+
+    def noted(self, before, dt):
+        tried.append(Attempt(before.time, dt))
+        return processed(self, before, dt)
+
+    def hindered(self, *given, **options):
+        tried[-1].minimiser = self
+        if refused(tried[-1].time) and not tried[-1].snaps:
             raise NotConvergedError("no way on")
-        return attempt(problem, minimiser, progress, dt, began, snaps=snaps)
+        return minimise(self, *given, **options)
 
-    monkeypatch.setattr(march_module, "_attempt", hindered)
+    def snapping(self, *given, **options):
+        tried[-1].snaps = True
+        return to_minimum(self, *given, **options)
+
+    monkeypatch.setattr(Problem, "processed", noted)
+    monkeypatch.setattr(Minimiser, "minimise", hindered)
+    monkeypatch.setattr(Creep, "to_minimum", snapping)
+    return tried
+
+
+def test_after_a_snap_steps_are_as_long_as_before_it(body, monkeypatch):
+    tried = attempts(monkeypatch, lambda time: abs(time - 0.4) < 1e-9)
     steps = run(scene(body, processes=(TangentialGrowth(cortex=1.1),), first=0.1, largest=0.1))
     snapped = [bool(step.numbers["snapped"]) for step, _ in steps]
     assert snapped.count(True) == 1
-    halved = [dt for time, dt, _ in tried if abs(time - 0.4) < 1e-9]
-    assert halved == pytest.approx([0.1, 0.05, 0.025, 0.0125])
-    after = tried[snapped.index(True) + 4]
-    assert after == (pytest.approx(0.4125), pytest.approx(0.1), 0)
+    assert [one.dt for one in tried if one.time == pytest.approx(0.4)] == pytest.approx(
+        [0.1, 0.05, 0.025, 0.0125]
+    )
+    last = snapped.index(True)
+    assert steps[last][1].past == ()  # what led to the snap foretells nothing of what follows
+    after = tried[last + 4]
+    assert (after.time, after.dt) == (pytest.approx(0.4125), pytest.approx(0.1))
 
 
 def test_a_step_far_shorter_than_the_latest_snaps_when_it_fails(body, monkeypatch):
-    attempt, tried = march_module._attempt, []
-
-    def hindered(problem, minimiser, progress, dt, began, *, snaps):
-        tried.append((dt, snaps))
-        if not snaps:
-            raise NotConvergedError("no way on")
-        return attempt(problem, minimiser, progress, dt, began, snaps=snaps)
-
     made = scene(body, processes=(TangentialGrowth(cortex=1.1),), first=0.1, largest=0.1)
     _, progress = run(made)[3]
-    monkeypatch.setattr(march_module, "_attempt", hindered)
+    tried = attempts(monkeypatch, lambda time: True)
     next(march(made, replace(progress, dt=0.02)))
-    assert tried == [(0.02, False), (0.01, True)]  # an eighth of 0.1 is more than 0.01
+    # an eighth of 0.1 is more than 0.01
+    assert [(one.dt, one.snaps) for one in tried] == [(0.02, False), (0.01, True)]
 
 
 def test_a_tolerance_below_round_off_stops_the_march_at_once(body, monkeypatch):
-    attempt, tried = march_module._attempt, []
-    monkeypatch.setattr(march_module, "_attempt", lambda *a, **k: tried.append(a) or attempt(*a, **k))
+    tried = attempts(monkeypatch)
     made = scene(body, processes=(TangentialGrowth(cortex=1.3),), tolerance=1e-18)
     with pytest.raises(NotConvergedError, match="round-off keeps the residual at") as caught:
         run(made)
     assert len(tried) == 1
-    assert tried[0][1].effort.iterations < 15
+    assert tried[0].minimiser.effort.iterations < 15
     remedy = float(re.search(r"tolerance=([-.e0-9]+)\) or more", str(caught.value)).group(1))
     assert 1e-16 < remedy < 1e-12
     assert run(replace(made, stepping=Stepping(tolerance=remedy)))[-1][0].state.time == 1.0
