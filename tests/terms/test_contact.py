@@ -186,11 +186,12 @@ def test_a_step_that_is_not_finite_is_refused():
 @pytest.mark.parametrize("base", ["clamped", "roller", "free"])
 def test_the_base_line_goes_on_outside_the_body(base, outward):
     body = semicircle(radius=1.0, thickness=0.3, size=0.15, base=base)
-    potential = SelfContact().on(body).during(state_of(body), STEP)
+    operator = SelfContact().on(body)
     d = np.zeros((body.nodes.shape[1], 2))
     node = body.pial[1] if body.nodes[0, body.pial[0]] > 0 else body.pial[-2]
     d[node] = outward, -0.3  # outward and under the base line, past no wall of the body
-    bound = potential.evaluate(np.zeros(d.size)).largest_step(d.ravel())
+    start, end = (operator.walls.positions(operator.moved(x)) for x in (np.zeros(d.size), d.ravel()))
+    bound = operator.walls.largest_step(start, end)  # of walls: triangles turn over sooner
     if base == "free":
         assert bound == 1.0
     else:

@@ -67,8 +67,8 @@ def counts(bends: Array, deviation: float) -> Integers:
     return np.ceil(np.sqrt(0.5 * bends / deviation)).astype(np.int64)
 
 
-def chords(edges: Integers, k: Integers, moving: int) -> Chords:
-    """Return k chords of each edge of equal steps in ξ; the first `moving` nodes move.
+def chords(edges: Integers, k: Integers, moving: int, total: int) -> Chords:
+    """Return k chords of each edge of equal steps in ξ; of `total` nodes the first `moving` move.
 
     edges: start, middle and end node of each, (3, m); those of nodes that do not move are to be one chord.
     """
@@ -81,7 +81,7 @@ def chords(edges: Integers, k: Integers, moving: int) -> Chords:
     _, first, vertex = np.unique(name, return_index=True, return_inverse=True)
     left = np.flatnonzero(number < k[edge])
     place = number / k[edge]
-    rows, shape = np.tile(np.arange(len(first)), 3), (len(first), int(edges.max()) + 1)
+    rows, shape = np.tile(np.arange(len(first)), 3), (len(first), total)
     share = csr_matrix((weights(place[first]).ravel(), (rows, edges[:, edge[first]].ravel())), shape)
     share.eliminate_zeros()
     return Chords(

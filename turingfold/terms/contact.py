@@ -24,6 +24,7 @@ from ..parts import Entries, Evaluation, Hessian, Operator, Potential, Term, Tim
 from ..state import State
 from .boundary import boundary_edges, counts, stays_straight, tissue_left
 from .creases import creases
+from .inversion import bounding, inversion
 from .obstacles import Obstacle, continued, joined
 from .walls import Walls
 
@@ -91,17 +92,21 @@ class ContactOperator(Operator):
         shortest = float(min(np.hypot(*(middle - one).T).min() for one in (start, end)))
         self.unit, self.dhat = body.length, term.gap * shortest / body.length
         self.shortest, self.apart = shortest / body.length, APART * self.dhat
-        self.nodes, edges = np.unique(boundary, return_inverse=True)
+        triangles = bounding(body, boundary)
+        self.nodes = np.unique(triangles)
         fixed, fixed_edges, names = joined(_obstacles(body, term, shortest), self.nodes)
         self.names = ["body"] * boundary.shape[1] + names  # of what each edge belongs to
-        self.edges = np.concatenate([edges.reshape(3, -1), fixed_edges], axis=1)
+        self.edges = np.concatenate([np.searchsorted(self.nodes, boundary), fixed_edges], axis=1)
         self.straight = np.append(stays_straight(body, boundary), np.ones(fixed_edges.shape[1], dtype=bool))
         centre = body.nodes.mean(axis=1)
         self.rest = (np.concatenate([body.nodes.T[self.nodes], fixed]) - centre) / self.unit
         lengths = np.hypot(*(self.rest[self.edges[2]] - self.rest[self.edges[0]]).T)
         self.counts = self._counts(BEND * lengths, 0.5)
         self.walls = self._walls(self.counts)
-        self.creases = creases(self.edges, tissue_left(body, boundary), self.rest, term.gap, term.stiffness)
+        self.barriers = (
+            creases(self.edges, tissue_left(body, boundary), self.rest, term.gap, term.stiffness),
+            inversion(np.searchsorted(self.nodes, triangles), self.rest, term.stiffness),
+        )
         # its slope at half of dhat is 4.33 dhat³ in ipctk's units, and 4.63 where neighbouring chords act too
         self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (4.63 * self.dhat**3))
         self.dofs = (2 * self.nodes[:, None] + np.arange(2)).ravel()
@@ -181,10 +186,11 @@ class ContactEvaluation(Evaluation):
         self.points = operator.moved(x)
         self.positions = walls.positions(self.points)
         self.collisions = walls.collisions(self.positions, operator.dhat)
-        self.crease = operator.creases.at(self.points)
-        self.has_hessian = not (self.collisions.empty() and self.crease.empty)
+        found = (barrier.at(self.points) for barrier in operator.barriers)
+        self.pairs = [pairs for pairs in found if not pairs.empty]
+        self.has_hessian = not self.collisions.empty() or bool(self.pairs)
         apart = float(operator.barrier(self.collisions, walls.mesh, self.positions))
-        self.energy = scale * (apart + self.crease.energy)
+        self.energy = scale * (apart + sum(pairs.energy for pairs in self.pairs))
         self.round_off = 1e-15 * self.energy
 
     @cached_property
@@ -193,7 +199,8 @@ class ContactEvaluation(Evaluation):
         forces = operator.barrier.gradient(self.collisions, self.walls.mesh, self.positions)
         by_node = np.zeros_like(operator.rest)
         by_node[: len(operator.nodes)] = (share.T @ forces[: share.shape[0]]).reshape(-1, 2)
-        self.crease.add_forces(by_node)
+        for pairs in self.pairs:
+            pairs.add_forces(by_node)
         return np.asarray(by_node[: len(operator.nodes)].ravel() * (self.scale / operator.unit))
 
     def gradient(self) -> tuple[Array, float]:
@@ -212,10 +219,10 @@ class ContactEvaluation(Evaluation):
         full = operator.barrier.hessian(self.collisions, self.walls.mesh, self.positions, method)
         n = share.shape[0]  # obstacles come after the boundary
         by_node = (share.T @ full[:n, :n].tocsr() @ share).tocoo()
-        folding = self.crease.hessian(convexity > 0)
+        parts = [(by_node.row, by_node.col, by_node.data)]
+        parts += [pairs.hessian(convexity > 0) for pairs in self.pairs]
         rows, columns, values = (
-            np.concatenate([one, other.ravel()])
-            for one, other in zip((by_node.row, by_node.col, by_node.data), folding, strict=True)
+            np.concatenate([part.ravel() for part in kind]) for kind in zip(*parts, strict=True)
         )
         used = (columns <= rows) & (rows < len(operator.dofs))  # nodes of obstacles come last
         places = Entries(operator.dofs[rows[used]], operator.dofs[columns[used]])
@@ -227,8 +234,8 @@ class ContactEvaluation(Evaluation):
         end = self.operator.moved(self.x + direction)
         if not np.isfinite(end).all():
             return 0.0  # ipctk would answer that nothing is in the way
-        free = self.walls.largest_step(self.positions, self.walls.positions(end))
-        return min(free, self.operator.creases.largest_step(self.points, end))
+        bounds = [barrier.largest_step(self.points, end) for barrier in self.operator.barriers]
+        return min(self.walls.largest_step(self.positions, self.walls.positions(end)), *bounds)
 
     def measure(self) -> dict[str, float]:
         """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""

@@ -27,7 +27,7 @@ class Walls:
         self, edges: Integers, counts: Integers, rest: Array, moving: int, apart: float, near: float
     ) -> None:
         self.edges, self.apart = edges, apart
-        self.chords = chords(edges, counts, moving)
+        self.chords = chords(edges, counts, moving, len(rest))
         at_rest = self.positions(rest)
         self.mesh = ipctk.CollisionMesh(at_rest, np.asfortranarray(self.chords.pieces.astype(np.int32)))
         pairs = neighbours(at_rest, self.chords.pieces, near)
