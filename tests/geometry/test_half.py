@@ -43,6 +43,7 @@ def check_alike(whole, right, rel, until=1.0):
     assert right.pial(last) == pytest.approx(whole.pial(last), abs=rel * size)
 
 
+@pytest.mark.slow
 def test_figure_3_folds_alike():
     """24 half waves of the pattern are 12 on the half; contact across the mirror line included."""
     body = semicircle(radius=0.0404, thickness=T, size=T / 2)

@@ -147,6 +147,7 @@ def test_a_sweep_makes_results_a_table_and_a_figure(case, capsys):
     assert "--resume" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_all_scenes_of_a_case_are_swept_also_in_processes(case, capsys):
     words = ["sweep", "tiny.py", "--vary", "SelfContact=on,off", "-j", "2"]
     assert main(words) == 0

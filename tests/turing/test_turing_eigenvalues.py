@@ -94,6 +94,7 @@ def test_the_box_holds_the_numerical_range(kinetics, name, value):
     assert np.abs(eigvalsh(1j * (scaled - scaled.T), 2 * mass)).max() <= high
 
 
+@pytest.mark.slow
 def test_a_branch_is_unstable_where_a_pair_of_eigenvalues_says_so():
     mesh = semi_annulus(20, 1, np.pi / 6)
     space = discretise(mesh, 2)
