@@ -37,7 +37,7 @@ PROCESSES = [
     StressGrowth(rate=1e-3),
     VolumeGrowth(rate=0.5),
     Imperfection(of="growth"),
-    Imperfection(of="stiffness"),
+    Imperfection(of="moduli"),
 ]
 
 

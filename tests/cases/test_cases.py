@@ -157,7 +157,8 @@ def test_scenes_start_and_can_be_stored(path):
     data_or_skip(path)
     case = load_case(path)
     quick = case.scenes({}, quick=True)
-    assert case.scenes({}, quick=False)
+    if path.stem != "ferret_stages":  # whose scenes are made from results: test_ferret grows them
+        assert case.scenes({}, quick=False)
     name, scene = next(iter(quick.items()))
     document, arrays = stored(scene)
     again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays, known=case.known)

@@ -42,7 +42,7 @@ def test_noise_is_seeded_and_symmetric_on_request():
     assert not np.allclose(plain, plain[::-1])
 
 
-@pytest.mark.parametrize("of", ["growth", "stiffness"])
+@pytest.mark.parametrize("of", ["growth", "moduli"])
 def test_same_noise_on_two_meshes(of):
     growth = TangentialGrowth(cortex=1.9)
     values = []
@@ -51,7 +51,7 @@ def test_same_noise_on_two_meshes(of):
         arc, depth = body(size).arc, body(size).depth
         near = depth < 0.1
         order = np.argsort(arc[near])
-        found = made["noise"] if of == "growth" else (made["stiffness"] - 1.0) / 0.05
+        found = made["noise"] if of == "growth" else (made["modulus_factor"] - 1.0) / 0.05
         values.append(np.interp(np.linspace(0.2, 2.9, 200), arc[near][order], found[near][order]))
     assert values[0] == pytest.approx(
         values[1], abs=0.12

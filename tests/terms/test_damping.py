@@ -32,7 +32,7 @@ SMALL = 1e-5  # amplitude of a vibration: it is linear to this share
 class Softening(Process):
     """A stiffness that falls from 1 to 1/2, more at some points than at others."""
 
-    writes = ("stiffness",)
+    writes = ("modulus_factor",)
 
     def on(self, body):
         return SofteningOnBody(body.quadrature.points[1] > 0.5)
@@ -46,7 +46,7 @@ class SofteningOnBody(Evolution):
         return self.advance(state, state, 0.0)
 
     def advance(self, before, now, dt):
-        return {"stiffness": 1.0 - 0.5 * now.time * self.upper}
+        return {"modulus_factor": 1.0 - 0.5 * now.time * self.upper}
 
 
 def disc(base="free"):
@@ -234,7 +234,8 @@ def test_stiffer_tissue_is_damped_more():
     body = disc()
     x = 0.01 * np.random.default_rng(3).standard_normal(body.nodes.size)
     plain = at_rest(body).evaluate(x).gradient()[0]
-    twice = at_rest(body, stiffness=np.full(body.quadrature.weights.shape, 2.0)).evaluate(x).gradient()[0]
+    double = np.full(body.quadrature.weights.shape, 2.0)
+    twice = at_rest(body, modulus_factor=double).evaluate(x).gradient()[0]
     slower = at_rest(body, time=0.4).evaluate(x).gradient()[0]
     assert twice == pytest.approx(2 * plain, rel=1e-12)
     assert slower == pytest.approx(2 * plain, rel=1e-12)

@@ -187,14 +187,14 @@ def test_partial_convexity_takes_away_that_share():
     np.testing.assert_allclose(some, none + 0.3 * (full - none), atol=1e-12 * np.abs(none).max())
 
 
-def test_a_stiffness_field_multiplies_the_moduli(body):
+def test_a_field_multiplies_the_moduli(body):
     state = grown(body, 1.0, cortex=1.4)
     factor = np.linspace(0.5, 2.0, body.quadrature.weights.size).reshape(body.quadrature.weights.shape)
     operator = TWO_LAYERS.on(body)
-    stiff = operator.during(state.updated(stiffness=factor), STEP)
+    stiff = operator.during(state.updated(modulus_factor=factor), STEP)
     x = admissible(body, stiff, 0.4, (0,))[0]
     check_derivatives(stiff, x, 2e-5, directions=1)
-    twice = operator.during(state.updated(stiffness=np.full_like(factor, 2.0)), STEP).evaluate(x)
+    twice = operator.during(state.updated(modulus_factor=np.full_like(factor, 2.0)), STEP).evaluate(x)
     once = operator.during(state, STEP).evaluate(x)
     assert twice.energy == pytest.approx(2 * once.energy, rel=1e-13)
     np.testing.assert_allclose(twice.gradient()[0], 2 * once.gradient()[0], atol=1e-12 * GRAY.mu)
@@ -203,7 +203,8 @@ def test_a_stiffness_field_multiplies_the_moduli(body):
 
 @pytest.mark.parametrize("element", ["quadratic", "mixed"])
 @pytest.mark.parametrize(
-    ("name", "shape"), [("growth", (3,)), ("growth", (3, 1, 1)), ("stiffness", ()), ("stiffness", (1, 1))]
+    ("name", "shape"),
+    [("growth", (3,)), ("growth", (3, 1, 1)), ("modulus_factor", ()), ("modulus_factor", (1, 1))],
 )
 def test_fields_of_another_shape_are_refused(body, element, name, shape):
     operator = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), element=element).on(body)

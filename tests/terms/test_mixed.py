@@ -309,11 +309,11 @@ def test_a_march_goes_on_from_its_state_to_the_last_bit(body):
             assert np.array_equal(values, other.state[name]), name
 
 
-def test_derivatives_hold_with_stiffness_and_growth_of_every_kind(body):
+def test_derivatives_hold_with_moduli_and_growth_of_every_kind(body):
     state = grown(body, cortex=1.4, core=0.9, swelling_core=1.1)
-    stiffness = 1 + 0.3 * np.sin(300 * body.arc)
+    factor = 1 + 0.3 * np.sin(300 * body.arc)
     term = Mixed(gray=material(0.45))
-    plain, varied = term.on(body).during(state, STEP), state.updated(stiffness=stiffness)
+    plain, varied = term.on(body).during(state, STEP), state.updated(modulus_factor=factor)
     x = shaken(body, plain, 0.3, seed=3)
     potential = term.on(body).during(consistent(term, body, varied, x), STEP)
     check_derivatives(potential, x, 2e-5)

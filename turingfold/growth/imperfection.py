@@ -13,7 +13,7 @@ from ..geometry.roughness import noise
 from ..parts import Evolution, Fields, Process
 from ..state import State
 
-KINDS = ("growth", "stiffness")
+KINDS = ("growth", "moduli")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +21,8 @@ class Imperfection(Process):
     """Noise that decides where an otherwise uniform cortex folds first, on arc length, not on elements.
 
     of "growth": multiplies g_t - 1 (reads and rewrites "growth"; list it after the growth);
-    of "stiffness": multiplies the moduli (writes "stiffness").  amplitude: standard deviation of the factor.
+    of "moduli": multiplies the moduli (writes "modulus_factor").
+    amplitude: standard deviation of the factor.
     modes: the shortest wave length is 2 L/modes, for symmetric noise L/modes.  symmetric: about the apex;
     always so on half a body.
     Raises ValueError for amplitudes outside [0, 0.3].
@@ -45,7 +46,7 @@ class Imperfection(Process):
     @property
     def writes(self) -> tuple[str, ...]:
         """The field it changes, and the noise that goes on changing growth, (q, e)."""
-        return ("growth", "noise") if self.of == "growth" else ("stiffness",)
+        return ("growth", "noise") if self.of == "growth" else ("modulus_factor",)
 
     @property
     def keeps(self) -> tuple[str, ...]:
@@ -69,12 +70,12 @@ class ImperfectionOnBody(Evolution):
         own, body = self.imperfection, self.body
         share, closed = body.pial_share(body.arc), body.pial_curve.closed
         values = noise(share, own.modes, seed, own.symmetric or body.mirror, closed)
-        if own.of == "stiffness":
-            return {"stiffness": np.maximum(0.1, 1.0 + own.amplitude * values)}
+        if own.of == "moduli":
+            return {"modulus_factor": np.maximum(0.1, 1.0 + own.amplitude * values)}
         return {"noise": values, **self._grown(values, state)}
 
     def advance(self, before: State, now: State, dt: float) -> Fields:
-        """Return the changed growth; stiffness stays as it is."""
+        """Return the changed growth; moduli stay as they are."""
         return self._grown(before["noise"], now) if self.imperfection.of == "growth" else {}
 
     def _grown(self, values: Array, state: State) -> Fields:

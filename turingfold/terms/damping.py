@@ -22,7 +22,7 @@ class StiffnessDamping(Term):
 
     Over one step Φ = β/(2 dt) (x - u)ᵀ K₀ (x - u). With Drag(coefficient=α ρ) it makes Rayleigh's damping
     α M + β K₀, under which a small vibration of frequency ω has the damping ratio ζ = (α/ω + β ω)/2.
-    elastic: the solid whose stiffness it is, usually that of the scene; a field "stiffness" multiplies it.
+    elastic: the solid whose stiffness it is, usually that of the scene; the field "modulus_factor" scales it.
     time: β in s (in units of the scene's time).
     It does not resist translation. As K₀ does not turn with the body, it resists rotation at the rate ω once
     the body has turned by an angle φ, with forces in proportion to ω sin φ; use it where rotations are small.
@@ -42,8 +42,8 @@ class StiffnessDamping(Term):
 
     @property
     def optional(self) -> tuple[str, ...]:
-        """The factor of the stiffness."""
-        return ("stiffness",)
+        """The factor of the moduli."""
+        return ("modulus_factor",)
 
     @property
     def resists_motion(self) -> bool:
@@ -64,13 +64,13 @@ class DampingOperator(Operator):
 
     def during(self, state: State, step: TimeStep) -> Dissipation:
         """Return the potential of one step."""
-        old, factor = by_node(state["displacement"]), state.fields.get("stiffness")
+        old, factor = by_node(state["displacement"]), state.fields.get("modulus_factor")
         if self._known is None or self._known[0] is not factor:
             self._known = factor, self._at_rest(state)
         return Dissipation(self._known[1], old, self.time / step.span, step=step, name="damping_work")
 
     def _at_rest(self, state: State) -> SymmetricMatrix:
-        factor = {name: state[name] for name in ("stiffness",) if name in state}
+        factor = {name: state[name] for name in ("modulus_factor",) if name in state}
         solid = self.elastic.during(State(0.0, factor), TimeStep(1.0))
         at = None if solid is None else solid.evaluate(np.zeros(state["displacement"].size))
         assert at is not None  # an undeformed body is admissible

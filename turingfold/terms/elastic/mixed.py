@@ -32,11 +32,12 @@ class MixedOperator(MixedGeometry, Operator):
     """The mixed element on one body; mu, kappa at the body's integration points, (q, e), Pa."""
 
     def during(self, state: State, step: TimeStep) -> MixedPotential:
-        """Return the energy with the growth and stiffness in `state`, starting from its inner unknowns."""
-        growth, stiffness = at_points(self.body, state, "growth", 3), at_points(self.body, state, "stiffness")
+        """Return the energy with growth and moduli of `state`, starting from its inner unknowns."""
+        growth = at_points(self.body, state, "growth", 3)
+        factor = at_points(self.body, state, "modulus_factor")
         spread = None if growth is None else self.integration.spread_out(growth)
         grown = metric(self.integration.quadrature, self.integration.tangent, spread)
-        share = np.ones_like(self.mu) if stiffness is None else self.integration.spread_out(stiffness)
+        share = np.ones_like(self.mu) if factor is None else self.integration.spread_out(factor)
         count = self.body.triangles.shape[1]
         bubble = state.fields.get("bubble", np.zeros((2, count)))
         pressure = state.fields.get("element_pressure", np.zeros((3, count)))

@@ -70,14 +70,12 @@ class ElasticOperator(Operator):
         return self._undeformed + self.gradient(x)
 
     def during(self, state: State, step: TimeStep) -> ElasticPotential:
-        """Return the elastic energy with the growth and stiffness in `state`."""
+        """Return the elastic energy with growth and moduli of `state`."""
         growth = at_points(self.body, state, "growth", 3)
         tangent = None if growth is None else self.body.tangent
         grown = metric(self.body.quadrature, tangent, growth)
-        stiffness = at_points(self.body, state, "stiffness")
-        mu, kappa = (
-            (self.mu, self.kappa) if stiffness is None else (stiffness * self.mu, stiffness * self.kappa)
-        )
+        factor = at_points(self.body, state, "modulus_factor")
+        mu, kappa = (self.mu, self.kappa) if factor is None else (factor * self.mu, factor * self.kappa)
         return ElasticPotential(self, grown, mu, kappa)
 
 

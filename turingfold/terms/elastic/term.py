@@ -23,7 +23,7 @@ NEARLY_INCOMPRESSIBLE = 0.49  # Poisson's ratio from which the quadratic element
 class Elastic(Solid):
     """Elastic energy ∫ J_G ψ(F*) dA of a gray and a white neo-Hookean layer.
 
-    Where processes write them, "growth" makes it grow and "stiffness" multiplies its moduli.
+    Where processes write them, "growth" makes it grow and "modulus_factor" multiplies its moduli.
 
     Between the layers moduli change as `Body.layers` says. Without `white` the whole body is gray.
     element: "quadratic" triangles, "mixed" ones with a bubble and their own pressure, which do not lock, or
@@ -45,7 +45,7 @@ class Elastic(Solid):
     @property
     def optional(self) -> tuple[str, ...]:
         """Growth factors, the factor of the moduli, and what the mixed element starts from."""
-        return ("growth", "stiffness", *(INNER if self.mixed else ()))
+        return ("growth", "modulus_factor", *(INNER if self.mixed else ()))
 
     @property
     def writes(self) -> tuple[str, ...]:
