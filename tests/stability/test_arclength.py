@@ -37,62 +37,66 @@ LIMIT = 2 * (LENGTH / CRITICAL - 1) * np.sqrt(CRITICAL**2 - SPAN**2)  # largest 
 LOADS = -1.5 * LIMIT, 1.5 * LIMIT  # at t = 0 and t = 1
 
 
+class OfTheEnd(Term):
+    """An energy of the last two unknowns, `end`; springs of stiffness 1 hold the others."""
+
+    def on(self, body):
+        own = np.arange(body.nodes.size)
+        return EndOperator(self, Entries(np.append(own, own[-1]), np.append(own, own[-2])))
+
+
 @dataclass(frozen=True)
-class Truss(Term):
-    """Two bars of stiffness 1 meet at the last node, which a load pushes down; springs hold the others.
+class EndOperator(Operator):
+    term: OfTheEnd
+    entries: Entries
+    resists_rigid_motions = True
+
+    def during(self, state, step):
+        return EndPotential(self, state.time)
+
+
+@dataclass(frozen=True)
+class EndPotential(Potential):
+    operator: EndOperator
+    time: float
+
+    def evaluate(self, x):
+        return EndEvaluation(self, x)
+
+
+class EndEvaluation(Evaluation):
+    def __init__(self, potential, x):
+        self.x, self.entries = x, potential.operator.entries
+        energy, self.force, self.block = potential.operator.term.end(x[-2:], potential.time)
+        self.scale = potential.operator.term.scale
+        self.energy = 0.5 * float(x[:-2] @ x[:-2]) + float(energy)
+
+    def gradient(self):
+        return np.append(self.x[:-2], self.force), self.scale
+
+    def hessian(self, convexity):
+        (first, _), (across, last) = self.block
+        return Hessian(self.entries, np.append(np.ones(len(self.x) - 2), [first, last, across]))
+
+
+@dataclass(frozen=True)
+class Truss(OfTheEnd):
+    """Two bars of stiffness 1 meet at the last node, which a load pushes down.
 
     Energy Σ ½ (l - l₀)² + p w, with p from LOADS[0] at t = 0 to LOADS[1] at t = 1, and constant outside.
     """
 
-    def on(self, body):
-        return TrussOperator(2 * body.nodes.shape[1])
+    scale = LIMIT**2
 
-
-@dataclass
-class TrussOperator(Operator):
-    n: int
-    resists_rigid_motions = True
-
-    def __post_init__(self):
-        own = np.arange(self.n)
-        self.entries = Entries(np.append(own, self.n - 1), np.append(own, self.n - 2))
-
-    def during(self, state, step):
-        return TrussPotential(self, np.interp(state.time, [0, 1], LOADS))
-
-
-@dataclass(frozen=True)
-class TrussPotential(Potential):
-    operator: TrussOperator
-    load: float
-
-    def evaluate(self, x):
-        return TrussEvaluation(self, x)
-
-
-class TrussEvaluation(Evaluation):
-    def __init__(self, potential, x):
-        self.potential, self.x = potential, x
-        foot = np.array([[-SPAN, -HEIGHT], [SPAN, -HEIGHT]])
-        self.bars = x[-2:] - foot
-        self.lengths = np.hypot(*self.bars.T)
-        springs = 0.5 * float(x[:-2] @ x[:-2])
-        self.energy = springs + 0.5 * float(((self.lengths - LENGTH) ** 2).sum()) + potential.load * x[-1]
-
-    def gradient(self):
-        force = self.x.copy()
-        force[-2:] = ((1 - LENGTH / self.lengths)[:, None] * self.bars).sum(0)
-        force[-1] += self.potential.load
-        return force, LIMIT**2
-
-    def hessian(self, convexity):
-        units = self.bars / self.lengths[:, None]
-        share = LENGTH / self.lengths
-        block = sum((1 - s) * np.eye(2) + s * np.outer(u, u) for s, u in zip(share, units, strict=True))
-        operator = self.potential.operator
-        values = np.ones(operator.n + 1)
-        values[-3:] = block[0, 0], block[1, 1], block[1, 0]
-        return Hessian(operator.entries, values)
+    def end(self, x, time):
+        load = np.array([0.0, np.interp(time, [0, 1], LOADS)])
+        bars = x - np.array([[-SPAN, -HEIGHT], [SPAN, -HEIGHT]])
+        lengths = np.hypot(*bars.T)
+        share = LENGTH / lengths
+        parts = zip(share, bars / lengths[:, None], strict=True)
+        block = sum((1 - s) * np.eye(2) + s * np.outer(u, u) for s, u in parts)
+        force = ((1 - share)[:, None] * bars).sum(0) + load
+        return 0.5 * ((lengths - LENGTH) ** 2).sum() + load @ x, force, block
 
 
 BODY = semicircle(radius=1.0, thickness=0.3, size=0.5)
@@ -179,7 +183,7 @@ def test_a_path_ends_where_it_is_told():
 
 
 @dataclass(frozen=True)
-class Bent(Term):
+class Bent(OfTheEnd):
     """A force at the last node that is piecewise linear in its displacement u, against a load of 3 t.
 
     Its slope is `stiffness` below u = 1/stiffness and above u = 1.5/stiffness, and the opposite in between:
@@ -187,53 +191,15 @@ class Bent(Term):
     """
 
     stiffness: float
+    scale = 1.0
 
-    def on(self, body):
-        return BentOperator(diagonal(body), self.stiffness)
-
-
-def diagonal(body):
-    places = np.arange(body.nodes.size)
-    return Entries(places, places)
-
-
-@dataclass(frozen=True)
-class BentOperator(Operator):
-    entries: Entries
-    stiffness: float
-    resists_rigid_motions = True
-
-    def during(self, state, step):
-        return BentPotential(self, 3 * state.time)
-
-
-@dataclass(frozen=True)
-class BentPotential(Potential):
-    operator: BentOperator
-    load: float
-
-    def evaluate(self, x):
-        return BentEvaluation(self, x)
-
-
-class BentEvaluation(Evaluation):
-    def __init__(self, potential, x):
-        self.potential, self.x, self.k = potential, x, potential.operator.stiffness
-        self.u = x[-1] * self.k
-        self.past = np.clip(self.u - 1, 0, None), np.clip(self.u - 1.5, 0, None)
-        one, other = self.past
-        self.energy = 0.5 * float(x[:-1] @ x[:-1]) - potential.load * x[-1]
-        self.energy += float(0.5 * self.u**2 - one**2 + other**2) / self.k
-
-    def gradient(self):
-        force = self.x.copy()
-        force[-1] = self.u - 2 * self.past[0] + 2 * self.past[1] - self.potential.load
-        return force, 1.0
-
-    def hessian(self, convexity):
-        values = np.ones(len(self.x))
-        values[-1] = -self.k if 1 < self.u < 1.5 else self.k
-        return Hessian(self.potential.operator.entries, values)
+    def end(self, x, time):
+        k, load = self.stiffness, 3 * time
+        u = x[1] * k
+        one, other = np.clip(u - 1, 0, None), np.clip(u - 1.5, 0, None)
+        energy = (0.5 * u**2 - one**2 + other**2) / k - load * x[1] + 0.5 * x[0] ** 2
+        slope = -k if 1 < u < 1.5 else k
+        return energy, np.array([x[0], u - 2 * one + 2 * other - load]), np.diag([1.0, slope])
 
 
 @pytest.mark.parametrize("stiffness", [0.3, 3.0, 100.0])
@@ -299,50 +265,18 @@ def test_limit_points_and_what_is_there_are_interpolated():
     assert EquilibriumPath(path.points[:2]).at_limit_points(arc[:2]).size == 0
 
 
-@dataclass(frozen=True)
-class Ring(Term):
-    """A force (u + 2)² + (t - ½)² - r² at the last node: its equilibria are a circle, not seen from t = 0."""
-
-    def on(self, body):
-        return RingOperator(diagonal(body))
-
-
 RADIUS = 0.3
 
 
 @dataclass(frozen=True)
-class RingOperator(Operator):
-    entries: Entries
-    resists_rigid_motions = True
+class Ring(OfTheEnd):
+    """A force (u + 2)² + (t - ½)² - r² at the last node: its equilibria are a circle, not seen from t = 0."""
 
-    def during(self, state, step):
-        return RingPotential(self, state.time)
+    scale = 1.0
 
-
-@dataclass(frozen=True)
-class RingPotential(Potential):
-    operator: RingOperator
-    time: float
-
-    def evaluate(self, x):
-        return RingEvaluation(self, x)
-
-
-class RingEvaluation(Evaluation):
-    def __init__(self, potential, x):
-        self.x, self.entries = x, potential.operator.entries
-        self.u, self.rest = x[-1] + 2, (potential.time - 0.5) ** 2 - RADIUS**2
-        self.energy = 0.5 * float(x[:-1] @ x[:-1]) + float(self.u**3 / 3 + self.rest * self.u)
-
-    def gradient(self):
-        force = self.x.copy()
-        force[-1] = self.u**2 + self.rest
-        return force, 1.0
-
-    def hessian(self, convexity):
-        values = np.ones(len(self.x))
-        values[-1] = 2 * self.u
-        return Hessian(self.entries, values)
+    def end(self, x, time):
+        u, c = x[1] + 2, (time - 0.5) ** 2 - RADIUS**2
+        return u**3 / 3 + c * u + 0.5 * x[0] ** 2, np.array([x[0], u**2 + c]), np.diag([1.0, 2 * u])
 
 
 @pytest.mark.parametrize("backward", [False, True])
