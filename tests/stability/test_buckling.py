@@ -114,13 +114,16 @@ def test_half_waves_of_half_a_body_are_those_of_the_whole():
 # thresholds
 
 
+def threshold(case, elements):
+    thickness, ratio, layers, out = case
+    cortex = 1.3 if ratio == 10 else 2.0
+    body = disc(thickness, elements, layers=layers)
+    return buckling(grown(body, cortex=cortex, ratio=ratio, out_of_plane=out))
+
+
 @pytest.mark.parametrize("case", REFERENCE)
 def test_the_half_disc_on_rollers_buckles_as_computed_independently(case):
-    thickness, ratio, layers, out = case
-    growth, mode = REFERENCE[case]
-    cortex = 1.3 if ratio == 10 else 2.0
-    options = {"cortex": cortex, "ratio": ratio, "out_of_plane": out}
-    found = buckling(grown(disc(thickness, 2, layers=layers), **options))
+    found, (growth, mode) = threshold(case, 2), REFERENCE[case]
     assert found.growth == pytest.approx(growth, rel=0.004)
     assert abs(found.mode - mode) <= 1
     assert abs(found.remaining_stiffness) < 1e-3
@@ -130,11 +133,7 @@ def test_the_half_disc_on_rollers_buckles_as_computed_independently(case):
 @pytest.mark.slow
 @pytest.mark.parametrize("case", REFERENCE)
 def test_the_threshold_converges_from_above(case):
-    thickness, ratio, layers, out = case
-    growth, mode = REFERENCE[case]
-    cortex = 1.3 if ratio == 10 else 2.0
-    options = {"cortex": cortex, "ratio": ratio, "out_of_plane": out}
-    coarse, fine = (buckling(grown(disc(thickness, n, layers=layers), **options)) for n in (2, 4))
+    coarse, fine, (growth, mode) = threshold(case, 2), threshold(case, 4), REFERENCE[case]
     assert growth < fine.growth < growth + 0.5 * (coarse.growth - growth)
     assert fine.growth == pytest.approx(growth, rel=0.001)
     assert abs(fine.mode - mode) <= 1

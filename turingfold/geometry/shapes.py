@@ -23,15 +23,9 @@ Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to a
 
 
 def semicircle(
-    *,
-    radius: float,
-    thickness: float,
-    size: float | None = None,
-    elements: float | None = None,
-    base: str = "clamped",
-    layers: str = "sharp",
-    coarsening: float = 1.35,
-) -> Body:
+    *, radius: float, thickness: float, size: float | None = None, elements: float | None = None,
+    base: str = "clamped", layers: str = "sharp", coarsening: float = 1.35,
+) -> Body:  # fmt: skip
     """Return the upper half of a disc around the origin.
 
     radius and thickness (of the cortex) in m; size: element edge in the cortex, m, or elements: their number
@@ -46,16 +40,9 @@ def semicircle(
 
 
 def semiellipse(
-    *,
-    width: float,
-    height: float,
-    thickness: float,
-    size: float | None = None,
-    elements: float | None = None,
-    base: str = "clamped",
-    layers: str = "sharp",
-    coarsening: float = 1.35,
-) -> Body:
+    *, width: float, height: float, thickness: float, size: float | None = None,
+    elements: float | None = None, base: str = "clamped", layers: str = "sharp", coarsening: float = 1.35,
+) -> Body:  # fmt: skip
     """Return the upper half of an ellipse with its full width along the base and its apex at `height`; m.
 
     The cortex has the same thickness everywhere, measured along the normal of the pial surface. The other
