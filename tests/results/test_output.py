@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import meshio
@@ -409,6 +410,29 @@ def test_a_killed_run_goes_on_to_the_last_bit(tmp_path, uninterrupted, kill):
     run(out, kill=kill, status=-signal.SIGKILL)
     assert len(numbers(out)) == kill
     assert not (out / "summary.json").exists()
+    run(out, resume=True)
+    assert_same_result(out, uninterrupted)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_kills_at_any_moment_leave_no_trace(tmp_path, uninterrupted, seed):
+    """Killed five times, wherever it is: between steps, while it writes, while it reads to go on."""
+    out, rng, kills = tmp_path / "out", np.random.default_rng(seed), 0
+    while kills < 5:
+        script = SCRIPT.format(here=str(HERE), kill=-1, fill=-1, out=str(out), resume=out.exists())
+        process = subprocess.Popen([sys.executable, "-c", script], cwd=HERE.parent)
+        rows = len(numbers(out)) if out.exists() else 0
+        while process.poll() is None and len(numbers(out) if out.exists() else []) < rows + 1:
+            time.sleep(0.005)
+        try:
+            process.wait(rng.uniform(0.0, 0.5))
+        except subprocess.TimeoutExpired:
+            process.kill()
+        kills += process.wait() == -signal.SIGKILL
+        if process.returncode == 0:
+            break
+    assert kills > 1
     run(out, resume=True)
     assert_same_result(out, uninterrupted)
 

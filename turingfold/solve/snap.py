@@ -30,7 +30,8 @@ STEPS = 300
 PATIENCE = 12  # iterations of a step of the flow
 EASY, QUICK = 8, 4  # iterations after which the viscosity falls, and falls fast
 FALLS, FALLS_FAST, RISES = 0.5, 0.1, 3.0
-PUSH, PUSHES = 0.05, 8  # away from a saddle: largest displacement in units of T, and how often
+FORGETS = 0.8  # of a viscosity that was too small, in each step after it
+PUSH, PUSHES = 0.05, 20  # away from a saddle: largest displacement in units of T, and how often
 RESTS, ABOVE = 1e-2, 1.5  # movement in units of T, and distance from a viscosity that was too small
 POWERS = 12  # iterations for the softest mode
 
@@ -57,31 +58,34 @@ class Creep:
         Raises NotConvergedError where the flow finds no way down, or takes too many steps.
         """
         share = good = FIRST
-        floor, soft, pushes, failed = 0.0, np.zeros_like(x), 0, None
+        floor, soft, pushes, rests, failed = 0.0, np.zeros_like(x), 0, 0, None
         for _ in range(STEPS):
             share = share if share >= LEAST else 0.0
             viscous, before = share > 0, minimiser.effort.iterations
             try:
                 found = self._step(minimiser, potentials, x, share)
             except SolveError as error:
-                failed, floor = error, share if viscous else good
-                share = floor * RISES
+                failed, floor = error, share
+                share = share * RISES if viscous else good
                 if minimiser.out_of_time or share > STIFFEST:
                     break
                 continue
             spent = minimiser.effort.iterations - before
             moved = float(np.abs(found.x - x).max()) / self.thickness
             if viscous and found.stable:
-                good = share
+                good, floor = share, FORGETS * floor
                 x, soft = found.x, minimiser.softest_mode(self.mass.whole, POWERS)
                 share *= FALLS_FAST if spent <= QUICK else FALLS if spent <= EASY else 1.0
                 if moved > PUSH:
                     floor = 0.0  # the energy is curved in another way here
-                elif moved < RESTS and floor:  # a mode that is hardly there yet may grow
-                    x, pushes = self._pushed(potentials, found, soft), pushes + 1
-                    floor = 0.0 if x is found.x else floor
-                # nothing grows and little moves: the minimum is near, if anywhere
-                share = max(share, ABOVE * floor) if floor or moved > RESTS else 0.0
+                elif moved < RESTS and floor:
+                    if pushes < PUSHES:  # a mode that is hardly there yet may grow
+                        x, pushes = self._pushed(potentials, found, soft), pushes + 1
+                    if x is found.x:  # nothing grows and little moves: a minimum is near, if anywhere
+                        rests += 1
+                        if rests & (rests - 1) == 0:  # tried at the 1st, 2nd, 4th, 8th, ... such place
+                            share = floor = 0.0
+                share = max(share, ABOVE * floor)
             elif viscous:  # too little viscosity for the softest mode
                 x, share = found.x, share * RISES**2
                 if pushes < PUSHES:

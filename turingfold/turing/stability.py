@@ -157,7 +157,8 @@ def turing_unstable_at(kinetics: Kinetics, ratio: float | None = None) -> Condit
         raise ValueError(
             f"{given}no pattern grows out of the uniform state, because not all four conditions of a Turing "
             f"instability hold; take "
-            f"{remedy}other parameters.\n{found}"
+            f"{remedy}other parameters. A pattern that only a large, local disturbance starts, as spots of "
+            f"Gray and Scott's model, may exist all the same, but is not sought.\n{found}"
         )
     return found
 
