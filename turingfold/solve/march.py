@@ -108,7 +108,8 @@ def march(
     minimiser = Minimiser(problem.n_dofs, problem.held, *limits, progress.memory, stepping.solver)
     if progress.memory is not None and progress.memory.point is not None:
         last = TimeStep(progress.previous_dt, stepping.balance)
-        minimiser.remember(problem.potentials(progress.state, last), progress.memory.point)
+        before = progress.state.updated(displacement=progress.past[-1].displacement)
+        minimiser.remember(problem.potentials(before, last), progress.memory.point)
     minimiser.deadline = problem.deadline
     minimiser.effort.add("setting up", started)
     failures = 0  # of the present step
@@ -143,6 +144,7 @@ def march(
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
             onward, past = max(progress.usual_dt, dt), ()
+            minimiser.forget()
         onward = min(onward, step.longest_next)
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next

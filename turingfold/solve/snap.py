@@ -8,7 +8,8 @@ With a viscosity c the body moves by steps of the gradient flow: each minimises
 whose solution has less energy than x_k, and whose tangent K + c M is positive definite for c above the most
 negative eigenvalue -λ of (K, M). Kept just above it, c lets the softest mode grow by c/(c - λ) in a step.
 Where the tangent is positive definite again c falls, and at the end it is gone. A saddle is left along the
-softest mode.
+softest mode, also one that the flow only comes near: there a mode grows from next to nothing. Where no mode
+grows and the flow hardly moves, Newton's method is tried without viscosity.
 """
 
 from __future__ import annotations
