@@ -9,8 +9,8 @@ places. The pattern acts through the tension alone: without ATH it is there and 
 all three, and no growth.
 
 The cortex's growth has seeded noise of 1 %. The picture shows seed 0; the table has means over the seeds ±
-the largest deviation, the registration with the pattern where there is one, and the largest share of its
-phases that register as well or better, p.
+the largest deviation, the registration with the pattern where there is one (without sulci that of the dents
+which tension makes alone), and the largest share of its phases that register as well or better, p.
 """
 
 from dataclasses import replace
