@@ -83,6 +83,16 @@ def test_the_centre_is_inside_half_the_radius():
     assert numbers["area_growth"] == pytest.approx(1.0, rel=1e-12)  # the outline is where it was
 
 
+@pytest.mark.parametrize("size", [0.3, 0.15])
+def test_the_edge_of_the_centre_crosses_elements(size):
+    # r → r + r²/2: what was inside 1/2 is inside 5/8, which grows by 25/16, while the area beside it grows by
+    # (1 + r)(1 + r/2) = 1.875 there
+    body = semicircle(radius=1.0, thickness=0.2, size=size)
+    displacement = 0.5 * np.hypot(*body.nodes) * body.nodes
+    numbers = area_numbers(body, State(1.0, {"displacement": displacement}))
+    assert numbers["centre_growth"] == pytest.approx(25 / 16, rel=2e-3)
+
+
 def test_a_free_body_that_grows_evenly_in_all_directions_grows_by_the_square():
     body = semicircle(radius=1.0, thickness=0.25, size=0.25)
     free = Body(body.mesh, body.thickness, "free")

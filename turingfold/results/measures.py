@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array, Booleans
+from ..arrays import Array, Booleans, Integers
 from ..geometry.body import Body
 from ..geometry.triangles import folded_over
 from ..state import State
 from ..terms.boundary import boundary_edges
 from .surface import along_pial, pial_closed
+
+SPLIT = 16  # small triangles along a side of an element on the edge of the centre
 
 
 def area_numbers(body: Body, state: State) -> dict[str, float | None]:
@@ -18,8 +20,8 @@ def area_numbers(body: Body, state: State) -> dict[str, float | None]:
     The core is what lies below the cortex, the centre what lies deeper than half of the largest depth: in a
     disc, inside half the radius. None for a body without such a part.
     """
-    weights = body.quadrature.weights
-    stretched = weights * _area_ratio(body, state["displacement"])
+    weights, displacement = body.quadrature.weights, state["displacement"]
+    stretched = weights * _area_ratio(body, displacement)
 
     def growth(where: Booleans) -> float | None:
         return float(stretched[where].sum() / weights[where].sum()) if where.any() else None
@@ -29,8 +31,51 @@ def area_numbers(body: Body, state: State) -> dict[str, float | None]:
         "area_growth": growth(np.ones_like(core)),
         "cortex_growth": growth(~core),
         "core_growth": growth(core),
-        "centre_growth": growth(body.depth > 0.5 * body.depth.max()),
+        "centre_growth": _centre_growth(body, displacement, stretched),
     }
+
+
+def _centre_growth(body: Body, displacement: Array, stretched: Array) -> float:
+    """Return the deformed over the undeformed area of the centre.
+
+    Elements that its edge crosses are made of small triangles, each of which lies inside or outside.
+    stretched: deformed areas of the integration points, (q, e).
+    """
+    depth = body.pial_curves.nearest(body.nodes)[0]
+    half = 0.5 * float(depth.max())
+    deep = (depth > half)[body.triangles]
+    inside, crossed = deep.all(0), deep.any(0) & ~deep.all(0)
+    shapes, small = _small_triangles()
+    old, new = (
+        np.einsum("pa,iae->ipe", shapes, (body.nodes + u)[:, body.triangles[:, crossed]])[:, small]
+        for u in (0.0, displacement)
+    )  # (2, 3, triangles, e)
+    middles = old.mean(1)
+    within = body.pial_curves.nearest(middles.reshape(2, -1))[0].reshape(middles.shape[1:]) > half
+    before, after = (_areas(x)[within].sum() for x in (old, new))
+    rest = body.quadrature.weights[:, inside].sum()
+    return float((stretched[:, inside].sum() + after) / (rest + before))
+
+
+def _areas(corners: Array) -> Array:
+    """Return the areas of straight triangles with corners (2, 3, ...)."""
+    (x, y), (u, v) = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return np.asarray(0.5 * (x * v - y * u))
+
+
+def _small_triangles() -> tuple[Array, Integers]:
+    """Return shape functions at the corners of small triangles in one, (p, 6), and each one's, (3, k).
+
+    Nodes 3, 4 and 5 lie between the corners 0 and 1, 1 and 2, 0 and 2.
+    """
+    corners = [(i, j) for i in range(SPLIT + 1) for j in range(SPLIT + 1 - i)]
+    place = {corner: k for k, corner in enumerate(corners)}
+    up = [((i, j), (i + 1, j), (i, j + 1)) for i, j in corners if i + j < SPLIT]
+    down = [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i, j in corners if i + j < SPLIT - 1]
+    b, c = np.array(corners).T / SPLIT
+    a = 1.0 - b - c
+    shapes = [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * a * c]
+    return np.stack(shapes, axis=1), np.array([[place[one] for one in each] for each in (*up, *down)]).T
 
 
 def _area_ratio(body: Body, displacement: Array) -> Array:
