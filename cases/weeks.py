@@ -3,11 +3,11 @@
     turingfold run cases/weeks.py      draws figures/weeks.png
 
 The ages of document 1's Figure 4, from a smooth week 25 on. Its radius, 35.6 mm, is 0.88 of that of document
-1's week 28, and the core grows by half in both directions and the cortex to 3.3 times its length by week 40:
-our choice, made so that week 28 has the 40.4 mm of document 1 (it comes out within 1 mm) and the cortex grows
-2.2 times as much as the core, as in Figure 3. Growth is distributed over the weeks as Wang et al. (2019) give
-it; the base slides, as the whole brain grows wider. The fifteen weeks are run within 10 s, from rest; steps
-end exactly at the weeks that are shown.
+1's week 28, and the core grows by half in both directions and the cortex to 3.1 times its length by week 40:
+our choice, made so that week 28 has the 40.4 mm of document 1 (it comes out within 1 mm), and the cortex
+grows twice as much as the core: with 3.3 two triangles in sulci turned over at 4 elements. Growth is spread
+over the weeks as Wang et al. (2019) give it; the base slides, as the whole brain grows wider. The fifteen
+weeks are run within 10 s, from rest; steps end exactly at the weeks that are shown.
 """
 
 from turingfold import Weeks, figures, human, run_case, semicircle
@@ -22,7 +22,7 @@ def scenes(
     radius: p.Radius = 0.0356, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 4,
     base: p.Base = "roller", seed: p.Seed = 0,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
-    cortex: p.Cortex = 3.3, core: p.Core = 1.5, radial_core: p.RadialCore = 1.5, swelling: p.Swelling = 0.0,
+    cortex: p.Cortex = 3.1, core: p.Core = 1.5, radial_core: p.RadialCore = 1.5, swelling: p.Swelling = 0.0,
     kinetics: p.Kinetics = "Schnakenberg", half_waves: p.HalfWaves = None, strength: p.Strength = 0.75,
     dynamics: p.Dynamics = True, duration: p.Duration = 10.0, curve: p.WeekCurve = "wang",
 ):  # fmt: skip
