@@ -42,8 +42,14 @@ def numbers(step):
     return {name: value for name, value in step.numbers.items() if name != "seconds"}
 
 
-@pytest.mark.parametrize("solver", ["auto", "superlu"])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    ("name", "solver"),
+    [
+        *((name, "auto") for name in SCENES),
+        ("contact", "superlu"),  # one scene of them here, the others are slow
+        *(pytest.param(name, "superlu", marks=pytest.mark.slow) for name in SCENES if name != "contact"),
+    ],
+)
 def test_a_restart_repeats_every_bit(name, solver, tmp_path):
     body = semicircle(radius=1.0, thickness=0.25, size=0.2)
     # steps of lengths that time's round-off does not give back

@@ -68,6 +68,7 @@ def test_steps_keep_the_bound_and_are_long_where_nothing_happens():
     assert all(after < 1.31 * before for before, after in pairwise(steps))
 
 
+@pytest.mark.slow
 def test_the_peak_of_kinetic_energy_converges_as_the_bound_is_halved():
     peaks = [max(row["kinetic_energy"] for row in simulate(moved(b)).history) for b in (4e-4, 2e-4, 1e-4)]
     changes = np.abs(np.diff(peaks)) / peaks[-1]
