@@ -79,7 +79,7 @@ def draw(results, figure):
             axes[measure].axvline(value, color="C3", linestyle=line)
         axes[measure].set(xlabel=label, title=f"{middle:.3g} ({low:.3g} to {high:.3g})")
         axes[measure].spines[["top", "right"]].set_visible(False)
-    axes[next(iter(MEASURES))].set_ylabel("samples")
+    axes[next(iter(MEASURES))].set_ylabel("samples; median, 5 and 95 %")
 
 
 if __name__ == "__main__":
