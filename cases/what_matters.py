@@ -6,8 +6,8 @@ The scene of Figure 3. Bars: by how many per cent a measure of its end changes w
 parameter (growth: of the factor), from the tangent of the equilibrium, without another run. Titles: the
 standard deviation of each measure that document 1's Young's moduli leave, gray 1389 ± 289 Pa and white
 1895 ± 592 Pa, to first order, as if they were independent and Poisson's ratio known. The hundred runs of
-cases/uncertainty.py spread as much in sulcal depth (1.0 mm), and by a third more in the index (0.08): it falls
-faster where white matter is stiff than it rises where that is soft.
+cases/uncertainty.py spread as much in sulcal depth (1.0 mm), and by a third more in the index (0.08): it
+falls faster where white matter is stiff than it rises where that is soft.
 """
 
 import numpy as np
