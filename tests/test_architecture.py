@@ -31,6 +31,7 @@ ROOMS = (
     ("figures",),
     ("studies",),
     ("sensitivity",),
+    ("verification",),
     ("app",),
     ("cli",),
     ("__main__",),

@@ -108,6 +108,13 @@ def _buckling(options: argparse.Namespace) -> int:
     return 0
 
 
+def _verify(options: argparse.Namespace) -> int:
+    from ..verification.registry import checks
+    from .verify import verify
+
+    return verify(checks(options.problems, full=options.full), options.out)
+
+
 def _compare(options: argparse.Namespace) -> int:
     from .case import named_parts
     from .tools import compare
@@ -130,4 +137,5 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "compare": _compare,
     "stability": _stability,
     "buckling": _buckling,
+    "verify": _verify,
 }

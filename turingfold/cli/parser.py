@@ -183,6 +183,16 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command="buckling")
 
+    verify = commands.add_parser(
+        "verify", parents=[common], help="problems with known answers",
+        description="Solve problems whose answers are known; say by how much each number is off. The exit "
+        "status is 3 if one is beyond its tolerance.",
+    )  # fmt: skip
+    verify.add_argument("problems", nargs="*", metavar="WORD", help="in the names of problems (all)")
+    verify.add_argument("--full", action="store_true", help="also orders of convergence and slow problems")
+    verify.add_argument("--out", type=Path, metavar="FILE.csv", help="write the table there")
+    verify.set_defaults(command="verify")
+
 
 def _at_least_one(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
