@@ -28,19 +28,3 @@ def folded():
     from turingfold import simulate
 
     return simulate(folding_scene())
-
-
-# slow tests that touch walls and were not run to their end since contact acts on curves: CI runs them and
-# says what came of each (XPASS, XFAIL), but does not fail by them; the list is to be emptied
-NOT_RUN_SINCE = (
-    "test_ferret", "test_ferret_seeds", "test_extreme", "test_seeded", "test_certificates", "test_contact",
-    "test_real",
-)  # fmt: skip
-
-
-def pytest_collection_modifyitems(items):
-    for item in items:
-        slow = item.get_closest_marker("slow") is not None
-        if slow and (item.path.stem in NOT_RUN_SINCE or "[turing_growth]" in item.name):
-            reason = "not run to its end since contact acts on curves"
-            item.add_marker(pytest.mark.xfail(strict=False, reason=reason), append=False)
