@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from turingfold import TangentialGrowth, simulate
+from turingfold import BoundaryLoads, TangentialGrowth, half, human, semicircle, simulate
 from turingfold.cli.case import folder_name, load_case
 from turingfold.cli.main import main
 from turingfold.results.codec import decode
@@ -109,6 +109,20 @@ def test_figure_1_loads_are_pairs_without_resultant_in_place_of_the_tension():
     pulled = np.stack([-np.sin(angles), np.cos(angles)]) * np.transpose(loads.forces)[:, :12]
     assert (pulled.sum(0) > 0.99 * 0.75).all()
     assert "BoundaryLoads" not in parts(loads="figure1", pattern=False, tension=False)[1]
+
+
+@pytest.mark.parametrize("count", [24, 60])
+def test_pairs_of_half_a_body_are_half_of_the_whole_ones_and_none_leaves_the_surface(count):
+    whole = semicircle(radius=0.04, thickness=2.5e-3, elements=2)
+    found = []
+    for body in (whole, half(whole)):
+        scene = human.brain(body, loads="figure1", pattern=False, half_waves=count)
+        (loads,) = (term for term in scene.terms if isinstance(term, BoundaryLoads))
+        found.append(len(loads.places))
+    assert 0 < found[0] <= count
+    across = 4 if count == 60 else 0  # ends of pairs that reach across the mirror
+    assert 2 * found[1] == found[0] - across
+
 
 
 def test_dynamics_is_inertia_from_rest_in_seconds_with_a_second_in_which_it_dies():

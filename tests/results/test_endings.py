@@ -8,6 +8,7 @@ import pytest
 from small import elastic_scene
 from test_results import Breaks
 
+import turingfold as tf
 from turingfold import Stepping, StoppedError, UnfinishedWarning, load, simulate
 from turingfold.results.vtu import entries
 
@@ -155,3 +156,15 @@ def test_a_scene_that_stops_at_once_has_its_start(tmp_path):
         simulate(scene, tmp_path / "out")
     with pytest.warns(UnfinishedWarning, match="stopped at t = 0 of 1"):
         assert load(tmp_path / "out", known=[Breaks]).summary() == caught.value.result.summary()
+
+
+def test_walls_that_pass_through_the_mirror_or_each_other_end_as_invalid():
+    """Without contact: half a disc whose surface crosses its image, counted as on the whole."""
+    body = tf.half(tf.semicircle(radius=1.0, thickness=0.2, elements=2, base="roller"))
+    solid = tf.Elastic(gray=tf.NeoHookean(mu=1.0, kappa=5.0))
+    scene = tf.Scene(body=body, terms=(solid,), processes=(tf.TangentialGrowth(cortex=1.8),))
+    result = simulate(scene)
+    crossings = tf.self_intersections(result.pial(), closed=False, quadratic=True)  # of both halves
+    assert result.summary()["self_intersections"] == crossings > 0
+    assert result.status == "invalid"
+    assert "SelfContact" in result.message

@@ -53,19 +53,20 @@ def run(request: Request, running: Running) -> int:
         say(f"parameters: {words}")
     for line in told(case.name, results, base):
         say(line)
-    if case.draw is None:
+    if case.draw is None and case.table is None:
         return status
     every = plan[0].provenance["scenes"]
     if missing := without_result(base, every):
-        say(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
+        say(f"figure and table: not made, these scenes have no result yet: {', '.join(missing)}")
         return status
     for name in set(every) - set(begun):
         results[name] = read_result(base / folder_name(name), known=case.known)
     results = {name: results[name] for name in every}
     compute(case, results, base, keep=running.resume)
+    if case.draw is not None:
+        say(f"figure: {drawn(case, results, request, apart=bool(request.assigned))}")
     if table := write_case_table(case, results, base):
         say(f"table: {table}")
-    say(f"figure: {drawn(case, results, request, apart=bool(request.assigned))}")
     return status
 
 

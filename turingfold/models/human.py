@@ -176,9 +176,13 @@ def _waves(body: Body, given: int | None) -> int:
 def _pairs(
     body: Body, count: int, strength: float, distance: float, width: float, ramp: float
 ) -> BoundaryLoads:
-    """Return pairs of forces that pull together across `count` evenly spaced places of the pial surface."""
+    """Return pairs of forces that pull together across `count` evenly spaced places of the pial surface.
+
+    Of half a body, on its half of them; pairs that reach beyond an end of the surface are left out.
+    """
     curve = body.pial_curve
-    middles = (np.arange(count) + 0.5) / count * curve.length
+    middles = (np.arange(count) + 0.5) / count * curve.length * (2 if body.mirror else 1)
+    middles = middles[(middles >= distance) & (middles <= curve.length - distance)]
     ends = np.stack([middles - distance, middles + distance])
     points = np.stack([np.interp(ends, curve.arc, along) for along in curve.points])
     apart = points[:, 1] - points[:, 0]

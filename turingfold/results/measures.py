@@ -158,10 +158,17 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
 
 
 def crossings(body: Body, displacement: Array) -> int:
-    """Return how often the deformed boundary, whose edges are curved, crosses itself."""
+    """Return how often the deformed boundary, whose edges are curved, crosses itself, or its mirror image."""
     from ..morphometry.walls import edge_crossings
 
-    return edge_crossings(body.nodes + displacement, boundary_edges(body))
+    moved, edges = body.nodes + displacement, boundary_edges(body)
+    if body.mirror:
+        line, n = body.nodes[0, body.boundary_path("mirror")[0][0]], body.nodes.shape[1]
+        own = np.abs(body.nodes[0] - line) <= 1e-9 * body.length  # nodes on the mirror are their own image
+        image = np.where(own, np.arange(n), n + np.arange(n))
+        edges = np.hstack([edges, image[edges[::-1]]])
+        moved = np.hstack([moved, np.stack([2 * line - moved[0], moved[1]])])
+    return edge_crossings(moved, edges)
 
 
 def _parts(body: Body, displacement: Array) -> list[tuple[Array, bool]]:

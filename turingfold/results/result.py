@@ -195,8 +195,9 @@ class Result:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
         energy: that stored at the last state, of elasticity, loads and walls; J per m of depth.
-        negative_pivots: directions in which the last state's energy falls; 0 at a minimum.  saddles: states
-        of the whole run that are no minima.  snaps: steps at whose end the body lies far from their start.
+        negative_pivots: directions in which the last state's energy falls; 0 at a minimum; with inertia, drag
+        or damping, those of the step's incremental potential.  saddles: states of the whole run that have
+        some.  snaps: steps whose equilibrium was found by the gradient flow.
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.

@@ -30,7 +30,7 @@ from .step_control import longest_next
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
-PATIENCE = 3  # times that a step is halved, or shorter than the latest, before the body snaps
+PATIENCE = 3  # halvings after failures, or by which a step is below the usual, before the body snaps
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ def march(
             if error.length < stepping.smallest * until:
                 raise _stopped(progress.state, until, error) from error
             minimiser.forget()
-            progress = replace(progress, dt=error.length)
+            progress = replace(progress, dt=error.length, usual_dt=min(progress.usual_dt, error.length))
             continue
         except SolveError as error:
             failures += 1
@@ -145,10 +145,10 @@ def march(
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
             onward, past = max(progress.usual_dt, dt), ()
             minimiser.forget()
-        onward = min(onward, step.longest_next)
         if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
             # a step that was cut short there says little about the next
             onward = max(onward, progress.dt)
+        onward = min(onward, step.longest_next)
         usual = max(progress.usual_dt / LONGER if past else progress.usual_dt, dt)
         progress = Progress(step.state, onward, dt, past, minimiser.memory, usual)
         yield step, progress

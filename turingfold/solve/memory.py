@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ..errors import OutOfMemoryError
 
-PAGE, STATM, MEMINFO = 4096, Path("/proc/self/statm"), Path("/proc/meminfo")
+STATM, MEMINFO = Path("/proc/self/statm"), Path("/proc/meminfo")
 SPARE = 1.2  # times what was measured
 
 
@@ -56,7 +56,7 @@ def address_space_left() -> float:
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit == resource.RLIM_INFINITY:
         return float("inf")
-    return limit - PAGE * float(STATM.read_text().split()[0])
+    return limit - resource.getpagesize() * float(STATM.read_text().split()[0])
 
 
 def memory_left() -> float:

@@ -44,8 +44,9 @@ class Effort:
 class Equilibrium:
     """An equilibrium: its configuration, relative residual, and the inertia of its tangent.
 
-    negative_pivots: the number of independent directions in which the energy falls; 0 at a minimum. Where no
-    walls touch, it may be that of a place NEAR it: in strain, three thousandths of the way from the last one.
+    negative_pivots: the number of independent directions in which the energy, with the incremental terms of
+    inertia and drag where there are any, falls; 0 at a minimum. Where no walls touch, it may be that of a
+    place NEAR it: in strain, three thousandths of the way from the last one.
     """
 
     at: Configuration

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..errors import NotConvergedError, SolveError
+from ..errors import NotConvergedError, OutOfMemoryError, SolveError
 from ..parts import Potential
 from ..scene import Scene, stress_scale
 from ..terms.dynamics import mass
@@ -65,6 +65,8 @@ class Creep:
             viscous, before = share > 0, minimiser.effort.iterations
             try:
                 found = self._step(minimiser, potentials, x, share)
+            except OutOfMemoryError:
+                raise
             except SolveError as error:
                 failed, floor = error, share
                 share = share * RISES if viscous else good

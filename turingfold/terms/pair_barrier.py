@@ -71,7 +71,7 @@ class PairBarrier(ABC):
     def largest_step(self, start: Array, end: Array) -> float:
         """Return nine tenths of the share of the way at which a pair first closes, at most 1; exactly.
 
-        β × α is quadratic along the way.
+        β × α is quadratic along the way. Pairs that are closed already are not seen.
         """
         first, last = self.directions(start), self.directions(end)
         way = last - first
