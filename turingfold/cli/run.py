@@ -57,7 +57,7 @@ def run(request: Request, running: Running) -> int:
         return status
     every = plan[0].provenance["scenes"]
     if missing := without_result(base, every):
-        say(f"figure and table: not made, these scenes have no result yet: {', '.join(missing)}")
+        say(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
         return status
     for name in set(every) - set(begun):
         results[name] = read_result(base / folder_name(name), known=case.known)
