@@ -93,6 +93,7 @@ def test_reaches_the_end(name):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:strength=50 N/m of AxonalTension")
 def test_a_hundred_times_the_tension_pulls_the_cortex_in_by_more_than_its_thickness():
     """A fifth of the load, which rises until t = 0.1; beyond a third the march stops."""
     steps, stopped = examine(replace(scene(tension=100 * TENSION), until=0.02))

@@ -250,7 +250,7 @@ def test_the_scene_gives_the_scale_of_stress():
 
 def folded(gap):
     """Return the length of the folded surface; check on the way that no accepted step crosses a wall."""
-    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    body = semicircle(radius=1.0, thickness=0.2, size=0.05)
     contact = SelfContact(gap=gap)
     operator = contact.on(body)
     scene = Scene(
@@ -266,6 +266,7 @@ def folded(gap):
 
 @pytest.mark.slow
 def test_the_folded_surface_hardly_depends_on_the_barrier():
+    """0.2 % with four elements through the cortex; 2.9 % with two, where creases are an element wide."""
     wide, narrow = folded(0.4), folded(0.2)
     assert wide > 1.2 * np.pi  # it has folded
     assert abs(wide / narrow - 1) < 0.01
