@@ -61,7 +61,7 @@ def test_a_run_on_two_levels_is_that_of_the_factorisation(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.timing
-@pytest.mark.xfail(strict=False, reason="17 to 20 times as long were measured where 15 are allowed; passed before")
+@pytest.mark.xfail(strict=False, reason="17 to 20 measured where 15 are allowed; passed before")
 def test_time_grows_no_faster_than_n_to_the_1_2_from_20_000_to_200_000_nodes():
     times, sizes = [], []
     for along, across in ((988, 20), (3107, 63)):
