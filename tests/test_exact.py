@@ -4,13 +4,11 @@ The axisymmetric solutions are found here from the energy alone: with r(R), grow
 plane, a = r', b = r/(g R), c = 1/g_z, the nominal stresses Π = g g_z ∂ψ/∂a and H = g_z ∂ψ/∂b balance as
 (R Π)' = H.
 """
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from skfem import Basis, ElementTriP2, MeshTri1, MeshTri2
+from skfem import Basis, ElementTriP2, MeshTri1
 
 from turingfold.geometry.body import Body
 from turingfold.geometry.shapes import semicircle
@@ -27,52 +25,10 @@ from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.terms.line import DeadLoad
 from turingfold.terms.tension import AxonalTension
+from turingfold.verification.exact import Layer, psi_slope
+from turingfold.verification.setups import quarter_ring
 
 # exact solutions
-
-
-def psi_slope(material, a, b, c):
-    """∂ψ/∂a of ψ(a, b, c) at principal stretches; ∂ψ/∂b by exchanging a and b."""
-    J, I1 = a * b * c, a * a + b * b + c * c
-    return material.mu * J ** (-2 / 3) * (a - I1 / (3 * a)) + material.kappa * (J - 1) * b * c
-
-
-def psi_curvature(material, a, b, c):
-    """∂²ψ/∂a²."""
-    J, I1 = a * b * c, a * a + b * b + c * c
-    return material.mu * J ** (-2 / 3) * (5 * I1 / (9 * a * a) - 1 / 3) + material.kappa * (b * c) ** 2
-
-
-@dataclass(frozen=True)
-class Layer:
-    """A ring of one material with growth around (and, if `out`, out of plane)."""
-
-    material: NeoHookean
-    inner: float
-    outer: float
-    growth: float
-    out: float = 1.0
-
-    def outward(self, radius: float, stress: float) -> tuple[float, float]:
-        """Return r and Π at the outer radius from those at the inner one."""
-        m, g, gz = self.material, self.growth, self.out
-
-        def radial(R, r, stress):
-            a, b, c = 1.0, r / (g * R), 1 / gz
-            for _ in range(50):
-                step = (psi_slope(m, a, b, c) - stress / (g * gz)) / psi_curvature(m, a, b, c)
-                a -= np.clip(step, -0.3 * a, 0.3 * a)
-                if abs(step) < 1e-14:
-                    break
-            return a, b, c
-
-        def slope(R, y):
-            a, b, c = radial(R, *y)
-            return [a, (gz * psi_slope(m, b, a, c) - y[1]) / R]
-
-        options = {"rtol": 1e-11, "atol": 1e-13, "method": "DOP853"}
-        found = solve_ivp(slope, (self.inner, self.outer), (radius, stress), **options)
-        return found.y[0, -1], found.y[1, -1]
 
 
 def disc(core, cortex, thickness, growth, out=1.0):
@@ -214,22 +170,6 @@ def test_the_disc_converges():
     errors = [np.abs(grown_disc(DOC1, 1.2, DOC1[2] / n)[0] - outer).max() for n in (1, 2, 4)]
     assert np.log2(errors[0] / errors[1]) > 2.5
     assert np.log2(errors[1] / errors[2]) > 2.5
-
-
-def quarter_ring(inner, outer, around, across):
-    """Return a quarter of a ring, the fixed unknowns of its two straight sides, and the nodes' radii."""
-    angles, radii = np.linspace(0, np.pi / 2, around + 1), np.linspace(inner, outer, across + 1)
-    grid = MeshTri1.init_tensor(angles, radii).with_boundaries({"pial": lambda p: p[1] == outer})
-    flat = MeshTri2.from_mesh(grid)
-    angle, radius = flat.doflocs
-    x, y = radius * np.cos(angle), radius * np.sin(angle)
-    x[angle == np.pi / 2], y[angle == 0] = 0.0, 0.0
-    mesh = MeshTri2(np.stack([x, y]), flat.t, _boundaries=grid.boundaries, validate=False)
-    body = Body(mesh, outer - inner, "free")
-    at = np.hypot(*body.nodes)
-    left, bottom = (np.flatnonzero(body.nodes[axis] == 0) for axis in (0, 1))
-    sides = np.concatenate([2 * left, 2 * bottom + 1])
-    return body, sides, at
 
 
 @pytest.mark.parametrize("kappa", [5.0, 50.0, 500.0])
