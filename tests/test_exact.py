@@ -25,6 +25,7 @@ from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.terms.line import DeadLoad
 from turingfold.terms.tension import AxonalTension
+from turingfold.verification.elasticity import cook
 from turingfold.verification.exact import Layer, psi_slope
 from turingfold.verification.setups import quarter_ring
 
@@ -292,31 +293,6 @@ def test_manufactured_solutions_converge_with_orders_three_and_two():
     displacement, gradient = np.log(errors[1:] / errors[:-1]).T / np.log(0.5)
     assert displacement[-1] == pytest.approx(3.0, abs=0.2)
     assert gradient[-1] == pytest.approx(2.0, abs=0.15)
-
-
-def _right(x):
-    return x[0] == 48
-
-
-def cook(material, n):
-    """Return the vertical displacement of Cook's membrane at the middle and the top of its right side."""
-    grid = MeshTri1.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
-    s, t = grid.p
-    mesh = MeshTri1(np.stack([48 * s, 44 * s + t * (44 - 28 * s)]), grid.t)
-    mesh = mesh.with_boundaries({"pial": lambda x: np.isclose(x[1], 44 + x[0] / 3), "right": _right})
-    body = Body(mesh, 1.0, "free")
-    nodes = body.boundary_path("right")[0]
-    forces = np.zeros((len(body.nodes[0]), 2))
-    for a, b, c in zip(nodes[:-2:2], nodes[1::2], nodes[2::2], strict=True):
-        length = abs(body.nodes[1, c] - body.nodes[1, a])
-        forces[[a, b, c], 1] += length / 16 * np.array([1, 4, 1]) / 6
-    left = np.flatnonzero(body.nodes[0] == 0)
-    u, _ = equilibrium(
-        body, Elastic(gray=material), np.concatenate([2 * left, 2 * left + 1]),
-        np.zeros(forces.size), loads=[DeadLoad(forces.ravel())],
-    )
-    where = [np.argmin(np.hypot(body.nodes[0] - 48, body.nodes[1] - y)) for y in (52, 60)]
-    return u[1, where]
 
 
 @pytest.mark.parametrize(
