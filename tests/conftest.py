@@ -28,15 +28,3 @@ def folded():
     from turingfold import simulate
 
     return simulate(folding_scene())
-
-
-# slow tests that were not seen to pass, together, on the last code of a session: CI runs them and says what
-# came of each (XPASS, XFAIL), but does not fail by them; the list is to be emptied
-NOT_SEEN = ("test_ferret_seeds", "test_ranges", "test_restart", "test_seeded")
-
-
-def pytest_collection_modifyitems(items):
-    for item in items:
-        if item.get_closest_marker("slow") is not None and item.path.stem in NOT_SEEN:
-            reason = "not seen to pass on the last code of its session"
-            item.add_marker(pytest.mark.xfail(strict=False, reason=reason), append=False)
