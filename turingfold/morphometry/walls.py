@@ -69,6 +69,8 @@ def _curved_crossings(curves: Array) -> int:
     low, high = hull.min(axis=0), hull.max(axis=0)
     apart = (low[:, :, None] > high[:, None]).any(axis=0)
     i, j = np.nonzero(np.triu(~(apart | apart.T), 1))
+    meet = ~_parted(hull[..., i], hull[..., j])
+    i, j = i[meet], j[meet]
     s, t, h, found = np.zeros(i.size), np.zeros(i.size), 1.0, 0
     while i.size:
         a, b, c, d = (point(curves[..., k], x) for k, x in ((i, s), (i, s + h), (j, t), (j, t + h)))
@@ -82,6 +84,23 @@ def _curved_crossings(curves: Array) -> int:
         i, j = np.tile(i[halve], 4), np.tile(j[halve], 4)
         s = (s[halve] + h * np.array([[0], [1], [0], [1]])).ravel()
         t = (t[halve] + h * np.array([[0], [0], [1], [1]])).ravel()
+    return found
+
+
+def _parted(one: Array, other: Array) -> Booleans:
+    """Return whether pairs of curves have one end in common and a line through it has them on its two sides.
+
+    one, other: their control points, (3, 2, n); seen from an end, a curve lies in the cone of the other two.
+    """
+    found = np.zeros(one.shape[2], dtype=bool)
+    for arm in (one, one[::-1]):
+        for opposite in (other, other[::-1]):
+            near = np.flatnonzero((arm[0] == opposite[0]).all(axis=0))
+            ways = np.stack([arm[1:], opposite[1:]])[..., near] - arm[0][:, near]
+            lengths = np.hypot(ways[:, :, 0], ways[:, :, 1])
+            mean = np.sum(ways / np.maximum(lengths, 1e-300)[:, :, None], axis=1)
+            side = np.sum(ways * (mean[0] - mean[1]), axis=2)
+            found[near] |= (side[0] > 0).all(axis=0) & (side[1] < 0).all(axis=0)
     return found
 
 
