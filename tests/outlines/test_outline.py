@@ -299,6 +299,30 @@ def test_parts_smaller_than_an_element_are_left_out_and_named():
     assert body.changes.moved < 1e-4
 
 
+def test_one_of_several_curves_may_have_few_points():
+    """A pixel's diamond, as images of labels have them: of 4 points, with its own area."""
+    diamond = np.array([[0.3, 0.0, -0.3, 0.0], [0.0, 0.3, 0.0, -0.3]])
+    body = outline([circle(), diamond + 2.0], thickness=0.1, size=0.05)
+    island = body.quadrature.weights[:, body.quadrature.points[0].mean(0) > 1.5].sum()
+    assert 0.18 <= island <= 0.09 * np.pi  # of the diamond, and of the circle around it
+    dot = np.array([[0.0, 0.01, 0.01], [0.0, 0.0, 0.01]]) + 2.0
+    without = outline([circle(), dot], thickness=0.1, size=0.05, interface=[0.9 * circle(), dot])
+    assert without.changes.notes == (
+        "1 curves of points smaller than half an element left out",
+        "1 curves of interface smaller than half an element left out",
+    )
+    with pytest.raises(ValueError, match=r"interface encloses nothing as large as an element"):
+        outline(circle(), thickness=0.1, size=0.05, interface=[dot, dot])
+
+
+def test_gray_matter_that_white_matter_surrounds_is_gray():
+    """The bottom of a sulcus that the plane of the section just misses: a ring of white around it."""
+    white = [0.9 * circle(), 0.3 * circle()]
+    body = outline(circle(), interface=white, size=0.05)
+    gray = body.quadrature.weights[:, body.in_cortex].sum()
+    assert gray == pytest.approx(np.pi * (1 - 0.9**2 + 0.3**2), rel=1e-3)
+
+
 def test_a_cut_above_hanging_lobes_is_meshed():
     x = [0, 12, 28, 40, 43, 41, 36, 28, 20, 16, 13, 9]
     y = [42, 44, 38, 24, 8, -8, -20, -25, -21, -12, -4, -2]

@@ -80,12 +80,12 @@ def test_both_hemispheres_make_one_section():
     assert len(surface_section(pair, at=0.0).pial) == 4
 
 
-@pytest.mark.parametrize("kind", ["gifti", "freesurfer"])
+@pytest.mark.parametrize("kind", ["gifti", "gzipped", "freesurfer"])
 def test_surfaces_are_read_from_files(tmp_path, kind):
     nibabel = pytest.importorskip("nibabel")
     points, triangles = torus()
-    if kind == "gifti":
-        file = tmp_path / "lh.pial.surf.gii"
+    if kind != "freesurfer":
+        file = tmp_path / ("lh.pial.surf.gii" if kind == "gifti" else "lh.pial.gii.gz")
         arrays = [(points.astype("f4"), "POINTSET"), (triangles.astype("i4"), "TRIANGLE")]
         parts = [nibabel.gifti.GiftiDataArray(a, f"NIFTI_INTENT_{name}") for a, name in arrays]
         nibabel.save(nibabel.gifti.GiftiImage(darrays=parts), file)

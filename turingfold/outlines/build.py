@@ -18,7 +18,7 @@ from ..geometry.changes import Changes
 from ..geometry.shapes import element_size
 from .domain import Given, Thickness, domain
 from .frame import RESOLUTION, Size
-from .loops import closed_loops, placed_bases
+from .loops import closed_loops, large_enough, placed_bases
 from .mesh import meshed
 from .section import Section
 from .units import note_large
@@ -98,7 +98,14 @@ def outline(
     step = _size(size, elements, depth, loops)
     walls = step / 4 if inset is None else positive("inset", inset)
     finest = _finest(fine, step, grading)
-    given = Given(loops, placed_bases(loops, base_ends, step), white, ventricles)
+    loops, notes = large_enough("points", loops, step)
+    if white is not None:
+        white, more = large_enough("interface", white, step)
+        notes += more
+    if ventricles:
+        ventricles, more = large_enough("holes", ventricles, step)
+        notes += more
+    given = Given(loops, placed_bases(loops, base_ends, step), white, ventricles, tuple(notes))
     mean, mesh, changes = _filled(given, depth, (step, walls, smooth), finest, grading)
     if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
         warnings.warn(f"outline: {changes}; smaller elements follow it more closely.", stacklevel=2)

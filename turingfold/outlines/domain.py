@@ -23,12 +23,16 @@ DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the 
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes."""
+    """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes.
+
+    notes: on what was left out of them.
+    """
 
     pial: list[Array]
     bases: list[tuple[int, int, int]]
     white: list[Array] | None
     holes: list[Array]
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +179,7 @@ def _refuse_thick(area: MultiPolygon, pial: BaseGeometry, thickness: float, unit
 def _changes(
     given: Given, surface: Trace, measured: BaseGeometry, made: Domain, within: Trace | None
 ) -> Changes:
-    notes = []
+    notes = [*given.notes]
     for k, loop in enumerate(given.pial):
         if not Polygon(loop.T).is_valid:
             notes.append(

@@ -14,6 +14,7 @@ from ..checks import finite_array, real_array
 from .line import Line, line
 
 FEWEST = 8  # different points that make an outline
+RING = 3  # different points that enclose something: so many do for one of several curves
 MERGE = 1e-9  # points closer than this share of the extent are one point
 GAP = 5.0  # a curve is open if its ends are farther apart than this many times its longest other segment
 
@@ -22,15 +23,16 @@ def closed_loops(name: str, given: Any) -> list[Array]:
     """Return closed curves, each (2, n), counter-clockwise, without repeated points.
 
     given: one curve, (2, n) or (n, 2), or several in a list.
-    Raises ValueError for other shapes, values that are not finite, fewer than 8 different points, and open
-    curves (ends farther apart than 5 times the longest other segment).
+    Raises ValueError for other shapes, values that are not finite, open curves (ends farther apart than 5
+    times the longest other segment), and fewer than 8 different points, or 3 of one of several curves.
     """
     several = isinstance(given, (list, tuple)) and len(given) > 0 and all(np.ndim(one) == 2 for one in given)
     curves = given if several else [given]
-    return [_closed(f"{name}[{k}]" if several else name, curve) for k, curve in enumerate(curves)]
+    fewest = RING if len(curves) > 1 else FEWEST
+    return [_closed(f"{name}[{k}]" if several else name, curve, fewest) for k, curve in enumerate(curves)]
 
 
-def _closed(name: str, points: Any) -> Array:
+def _closed(name: str, points: Any, fewest: int) -> Array:
     curve = real_array(name, points)
     if curve.ndim != 2 or 2 not in curve.shape:
         raise ValueError(f"{name} has shape {curve.shape}; it must be (2, n) or (n, 2).")
@@ -41,8 +43,8 @@ def _closed(name: str, points: Any) -> Array:
     extent = float(np.ptp(curve, axis=1).max())
     curve = curve[:, np.hypot(*(curve - np.roll(curve, 1, axis=1))) > MERGE * extent]
     count = len(np.unique(np.round(curve / (MERGE * extent)), axis=1).T) if extent > 0 else 1
-    if count < FEWEST:
-        raise ValueError(f"{name} has {count} different points; give at least {FEWEST} along the outline.")
+    if count < fewest:
+        raise ValueError(f"{name} has {count} different points; give at least {fewest} along the outline.")
     length, ends = np.hypot(*np.diff(curve, axis=1)), curve[:, [0, -1]]
     if (gap := float(np.hypot(*(ends[:, 1] - ends[:, 0])))) > GAP * length.max():
         raise ValueError(
@@ -51,6 +53,22 @@ def _closed(name: str, points: Any) -> Array:
         )
     x, y = curve
     return np.array(curve if x @ np.roll(y, -1) > y @ np.roll(x, -1) else curve[:, ::-1])
+
+
+def large_enough(name: str, loops: list[Array], size: float) -> tuple[list[Array], list[str]]:
+    """Return the loops that are at least size/2 wide or high, and a note on the others.
+
+    Raises ValueError if all are smaller.
+    """
+    kept = [loop for loop in loops if np.ptp(loop, axis=1).max() >= 0.5 * size]
+    if not kept:
+        widest = max(float(np.ptp(loop, axis=1).max()) for loop in loops)
+        raise ValueError(
+            f"{name} encloses nothing as large as an element: its largest curve is {widest:.3g} m wide; use "
+            f"smaller elements (size={size:.3g} m), and the same unit for all curves."
+        )
+    fewer = len(loops) - len(kept)
+    return kept, [f"{fewer} curves of {name} smaller than half an element left out"] if fewer else []
 
 
 def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[int, int, int]]:

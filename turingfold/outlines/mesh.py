@@ -37,7 +37,8 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
     found, points, triangles = fill(_sides(made, along), finest, white, grading)
     smallest = float(angles(points, triangles).min())
     exact = np.concatenate([found.exact, points[:, found.points.shape[1] :]], axis=1)
-    return _quadratic(found, centre + unit * exact, triangles, centre + unit * found.middles), smallest
+    inside = white(points[:, triangles].mean(1))
+    return _quadratic(found, centre + unit * exact, triangles, centre + unit * found.middles, inside), smallest
 
 
 def _sides(made: Domain, size: Size) -> list[Side]:
@@ -113,8 +114,13 @@ def _interface(made: Domain) -> tuple[list[Array], list[list[float]]]:
     return found, stops
 
 
-def _quadratic(found: Frame, points: Array, triangles: Integers, middles: Array) -> MeshTri2:
-    """Return the mesh with the edges of the frame curved, where that folds no triangle."""
+def _quadratic(
+    found: Frame, points: Array, triangles: Integers, middles: Array, white: Booleans
+) -> MeshTri2:
+    """Return the mesh with the edges of the frame curved, where that folds no triangle.
+
+    white: whether the centre of each triangle is in white matter, (e,).
+    """
     straight = straight_mesh(points, triangles)
     mesh = MeshTri2.from_mesh(straight)
     n = points.shape[1]
@@ -133,7 +139,7 @@ def _quadratic(found: Frame, points: Array, triangles: Integers, middles: Array)
         placed[:, edges] = flat[:, edges]
     kinds = np.array(found.kinds)[found.side]
     named = {name: facets[kinds == name] for name in ("pial", "base", "hole")}
-    cortex = _beside(straight, named["pial"], facets[kinds == "interface"])
+    cortex = _gray(straight, facets[kinds == "interface"], white)
     return MeshTri2(
         placed,
         mesh.t,
@@ -143,10 +149,14 @@ def _quadratic(found: Frame, points: Array, triangles: Integers, middles: Array)
     )
 
 
-def _beside(mesh: MeshTri1, pial: Integers, white: Integers) -> Integers:
-    """Return the triangles that can be reached from the pial edges without crossing the interface."""
-    crossed = np.setdiff1d(np.flatnonzero(mesh.f2t[1] >= 0), white)
+def _gray(mesh: MeshTri1, interface: Integers, white: Booleans) -> Integers:
+    """Return the triangles of all parts between lines of the interface that lie mostly outside white matter.
+
+    Such a part need not have a pial surface: in a section, the bottom of a sulcus that the plane just misses.
+    """
+    crossed = np.setdiff1d(np.flatnonzero(mesh.f2t[1] >= 0), interface)
     one, other = mesh.f2t[:, crossed]
     links = coo_matrix((np.ones(len(one)), (one, other)), shape=(mesh.nelements, mesh.nelements))
     _, part = connected_components(links, directed=False)
-    return np.flatnonzero(np.isin(part, part[mesh.f2t[0, pial]]))
+    share = np.bincount(part, white) / np.bincount(part)
+    return np.flatnonzero(share[part] < 0.5)

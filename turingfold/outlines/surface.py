@@ -31,8 +31,8 @@ def surface_section(
 ) -> Section:
     """Return the section of a pial and a white surface by a plane.
 
-    pial, white: each a GIFTI (.gii) or FreeSurfer file, or a pair (vertices (n, 3), triangles (m, 3)); or a
-    list of them, such as of both hemispheres. Axes are right, anterior, superior.
+    pial, white: each a GIFTI (.gii, .gii.gz) or FreeSurfer file, or a pair (vertices (n, 3), triangles
+    (m, 3)); or a list of them, such as of both hemispheres. Axes are right, anterior, superior.
     at: of the plane along the axis across it; m.
     unit: of the vertices, as in `read_outline`; files are in mm.
 
@@ -87,7 +87,7 @@ def _read(name: str, path: Any) -> tuple[tuple[Any, Any], str]:
     file: Path = file_path(name, path, "a surface in GIFTI or FreeSurfer's format")
     nibabel = nibabel_for(file)
     try:
-        if file.suffix.lower() == ".gii":
+        if file.name.lower().endswith((".gii", ".gii.gz")):
             image = nibabel.load(file)
             pair = image.agg_data("pointset"), image.agg_data("triangle")
         else:
