@@ -37,8 +37,8 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
     found, points, triangles = fill(_sides(made, along), finest, white, grading)
     smallest = float(angles(points, triangles).min())
     exact = np.concatenate([found.exact, points[:, found.points.shape[1] :]], axis=1)
-    inside = white(points[:, triangles].mean(1))
-    return _quadratic(found, centre + unit * exact, triangles, centre + unit * found.middles, inside), smallest
+    inside, middles = white(points[:, triangles].mean(1)), centre + unit * found.middles
+    return _quadratic(found, centre + unit * exact, triangles, middles, inside), smallest
 
 
 def _sides(made: Domain, size: Size) -> list[Side]:
