@@ -226,19 +226,20 @@ def test_a_sweep_of_many_points_has_its_table_and_its_pictures(tmp_path, monkeyp
 def test_a_table_grows_as_points_end_and_outlives_what_comes_after(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("patch.py").write_text(CASE)
-    seen = []
+    table, seen = Path("results/quick/patch-sweep/sweep.csv"), []
 
-    def write(path, columns, rows):
-        seen.append([row[0] for row in rows])
+    def names():
+        return [line.partition(",")[0] for line in table.read_text().splitlines()[1:]]
 
     def broken(*_):
         raise RuntimeError("no picture today")
 
-    monkeypatch.setattr("turingfold.cli.sweep.write_table", write)
+    monkeypatch.setattr("turingfold.cli.sweep._line", lambda end: seen.append(names()) or "")
     monkeypatch.setattr("turingfold.cli.sweep.draw", broken)
     with pytest.raises(RuntimeError, match="no picture"):
         main(["sweep", "patch", "--quick", "--vary", "cortex=1.01,1.02"])
-    assert seen == [[], ["cortex=1.01"], ["cortex=1.01", "cortex=1.02"]]
+    assert seen == [["cortex=1.01"], ["cortex=1.01", "cortex=1.02"]]
+    assert names() == seen[-1]
 
 
 INTERRUPTS = """

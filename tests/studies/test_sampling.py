@@ -1,10 +1,11 @@
-"""Samples of uncertain parameters: one in every stratum, the known moments, the same for the same seed."""
+"""Samples of parameters: one in every stratum, the known moments, the same for the same seed."""
 
 import numpy as np
 import pytest
 from scipy.stats import norm
 
 from turingfold import latin_hypercube
+from turingfold.studies.sampling import sampled
 
 MODULI = {"gray": (1389.0, 289.0), "white": (1895.0, 592.0)}
 
@@ -46,3 +47,37 @@ def test_a_seed_gives_the_same_samples_and_another_seed_others():
 def test_what_cannot_be_sampled_is_refused(parameters, count, words):
     with pytest.raises(ValueError, match=words):
         latin_hypercube(parameters, count)
+
+
+RANGES = {"thickness": (2e-3, 4e-3), "cortex": (1.5, 2.5)}
+
+
+def shares(found):
+    return {name: (found[name] - low) / (high - low) for name, (low, high) in RANGES.items()}
+
+
+def test_every_part_of_a_range_holds_one_sample_of_a_latin_hypercube():
+    for own in shares(sampled(RANGES, 30, method="lhs", seed=2)).values():
+        assert sorted(np.floor(30 * own).astype(int)) == list(range(30))
+
+
+def test_a_longer_sobol_sequence_begins_with_the_shorter_and_fills_every_square():
+    few, many = (shares(sampled(RANGES, count, method="sobol", seed=2)) for count in (11, 16))
+    for name in RANGES:
+        assert few[name].tobytes() == many[name][:11].tobytes()
+    # sixteen points of a (0, 2)-sequence: one in each square of a 4 x 4 grid
+    squares = {tuple(place) for place in np.floor(4 * np.transpose(list(many.values()))).astype(int)}
+    assert len(squares) == 16
+
+
+@pytest.mark.parametrize(
+    ("ranges", "method", "words"),
+    [
+        ({}, "lhs", "names no parameter"),
+        ({"cortex": (2.0, 2.0)}, "lhs", "cortex=2:2 must be LOW:HIGH"),
+        (RANGES, "halton", "method='halton'"),
+    ],
+)
+def test_ranges_that_cannot_be_sampled_are_refused(ranges, method, words):
+    with pytest.raises(ValueError, match=words):
+        sampled(ranges, 4, method=method)

@@ -175,7 +175,7 @@ def test_an_interrupted_sweep_says_how_to_go_on_with_it(case, capsys, monkeypatc
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("turingfold.cli.workers.simulate", stopped)
+    monkeypatch.setattr("turingfold.cli.point.simulate", stopped)
     assert main(SWEPT) == 130
     command = said(capsys).partition("Go on with: ")[2]
     assert shlex.split(command) == ["turingfold", *SWEPT, "--resume"]

@@ -24,7 +24,6 @@ def accuracy(request: Request, running: Running, *, meshes: int, steps: int) -> 
     plan = [
         Planned(f"{one.name}, {own}", trial, one.provenance)
         for one in planned(case, request)
-        if one.scene is not None
         for own, trial in trials(one.scene, meshes=meshes, steps=steps).items()
     ]
     check_apart([one.name for one in plan], case.path)

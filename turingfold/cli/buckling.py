@@ -31,7 +31,7 @@ def report(request: Request, figure: Path | None = None) -> str:
     from ..stability.path_dependence import at_rest
 
     plan = planned(find_case(request.case), request)
-    scenes = {one.name: one.scene for one in plan if one.scene is not None}
+    scenes = {one.name: one.scene for one in plan}
     found: dict[str, Buckling] = {}
     stopped: dict[str, SolveError] = {}
     for name, scene in scenes.items():

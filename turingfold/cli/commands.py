@@ -29,10 +29,21 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from .sweep import sweep
+    from .design import Design
+    from .sweep import Asked, sweep
 
-    own = [word for name, values in options.vary for word in ("--vary", f"{name}={values}")]
-    return sweep(_request(options, "sweep", *own), tuple(options.vary), _running(options))
+    method = "lhs" if options.lhs else "sobol" if options.sobol else ""
+    samples = options.lhs or options.sobol or 0
+    design = Design(tuple(options.vary), options.points, method, samples, options.seed)
+    asked = Asked(options.keep, options.task)
+    request = _request(options, "sweep", *design.words(), *asked.words())
+    return sweep(request, design, _running(options), asked)
+
+
+def _collect(options: argparse.Namespace) -> int:
+    from .sweep import collect
+
+    return collect(options.study)
 
 
 def _accuracy(options: argparse.Namespace) -> int:
@@ -127,6 +138,7 @@ def _compare(options: argparse.Namespace) -> int:
 COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "run": _run,
     "sweep": _sweep,
+    "collect": _collect,
     "accuracy": _accuracy,
     "sensitivity": _sensitivity,
     "app": _app,

@@ -38,7 +38,7 @@ def follow(request: Request, folder: Path) -> str:
     from ..stability.path_dependence import at_rest
 
     case = find_case(request.case)
-    scenes = {one.name: one.scene for one in planned(case, request) if one.scene is not None}
+    scenes = {one.name: one.scene for one in planned(case, request)}
     paths: dict[str, EquilibriumPath] = {}
     stopped: dict[str, PathStoppedError] = {}
     for name, scene in scenes.items():

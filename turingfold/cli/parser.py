@@ -59,19 +59,7 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
     run = commands.add_parser("run", parents=shared, help="run a case, draw its figure")
     run.set_defaults(command="run")
 
-    sweep = commands.add_parser(
-        "sweep", parents=shared, help="run a case with other parameters",
-        description="Run a case with other values of its parameters. Each combination has a folder in "
-        "DIR/<case>-sweep; the table sweep.csv and the figure there are of the last sweep alone, while the "
-        "folders of earlier ones stay.",
-    )  # fmt: skip
-    sweep.add_argument(
-        "--vary", action="append", required=True, type=_assignment, metavar="NAME=VALUES",
-        help="such as thickness=2e-3,3e-3 or cortex=1.5:1.9:3, or of a part of the scenes, "
-        "AxonalTension.ramp=0,0.2; more make all combinations",
-    )  # fmt: skip
-    sweep.set_defaults(command="sweep")
-
+    _add_studies(commands, shared)
     accuracy = commands.add_parser(
         "accuracy", parents=shared, help="error against run time",
         description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
@@ -98,6 +86,41 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
     )  # fmt: skip
     sensitivity.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
+
+
+def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
+    """Add the commands that run a case many times, and show what comes of that."""
+    sweep = commands.add_parser(
+        "sweep", parents=shared, help="run a case with other parameters",
+        description="Run a case with other values of its parameters: all combinations of the listed ones, "
+        "the rows of a table, or samples of ranges. Each point has a folder in DIR/<case>-sweep; the table "
+        "sweep.csv and the figure there are of the last sweep alone, while the folders of earlier ones stay.",
+    )  # fmt: skip
+    sweep.add_argument(
+        "--vary", action="append", default=[], type=_assignment, metavar="NAME=VALUES",
+        help="such as thickness=2e-3,3e-3 or cortex=1.5:1.9:3, or of a part of the scenes, "
+        "AxonalTension.ramp=0,0.2; more make all combinations; LOW:HIGH is a range to sample",
+    )  # fmt: skip
+    sweep.add_argument("--points", type=Path, metavar="TABLE.csv", help="a row for each point")
+    sampling = sweep.add_mutually_exclusive_group()
+    sampling.add_argument("--lhs", type=_at_least_one, metavar="N", help="samples of a Latin hypercube")
+    sampling.add_argument("--sobol", type=_at_least_one, metavar="N", help="samples of Sobol's sequence")
+    sweep.add_argument("--seed", type=_number, default=0, metavar="N", help="of the samples (0)")
+    sweep.add_argument(
+        "--keep", choices=("summary", "last", "all"), default="last",
+        help="of each point: its row of the table, also its last state, or all kept states (last)",
+    )  # fmt: skip
+    sweep.add_argument(
+        "--task", type=_task, metavar="I/N", help="the I-th of N parts, for array jobs of a scheduler"
+    )
+    sweep.set_defaults(command="sweep")
+
+    common = shared[-1]
+    collect = commands.add_parser(
+        "collect", parents=[common], help="the table of a study from the records of its points"
+    )
+    collect.add_argument("study", type=Path, metavar="STUDY", help="folder of the study")
+    collect.set_defaults(command="collect")
 
 
 def _add_cases(
@@ -204,6 +227,13 @@ def _number(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 0")
     return int(text)
+
+
+def _task(text: str) -> tuple[int, int]:
+    number, _, count = text.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise argparse.ArgumentTypeError(f"{text!r} must be I/N, such as 3/20, with I from 1 to N")
+    return int(number), int(count)
 
 
 def _assignment(text: str) -> tuple[str, str]:

@@ -17,17 +17,11 @@ from .request import Request
 
 @dataclass(frozen=True)
 class Planned:
-    """One scene to run.
-
-    varied: values that a study gave it, by parameter.  provenance: what is stored of the case.
-    refused: why the scene cannot be made, then there is none.
-    """
+    """One scene to run.  provenance: what is stored of the case."""
 
     name: str
-    scene: Scene | None
+    scene: Scene
     provenance: Mapping[str, Any] = field(default_factory=dict)
-    varied: Mapping[str, Any] = field(default_factory=dict)
-    refused: str = ""
 
 
 def given_values(case: Case, request: Request) -> tuple[dict[str, Any], dict[str, str]]:
@@ -47,13 +41,12 @@ def given_values(case: Case, request: Request) -> tuple[dict[str, Any], dict[str
     return own, parts
 
 
-def planned(case: Case, request: Request, more: Mapping[str, Any] | None = None) -> list[Planned]:
-    """Return the scenes of a case as the request sets their parameters; `more`: values of further ones.
+def planned(case: Case, request: Request) -> list[Planned]:
+    """Return the scenes of a case as the request sets their parameters.
 
     Raises ValueError for scenes that it does not have.
     """
     own, parts = given_values(case, request)
-    own |= more or {}
     every = case.scenes(own, quick=request.quick)
     check_apart(every, case.path)
     if unknown := [name for name in request.only if name not in every]:

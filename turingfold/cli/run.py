@@ -30,14 +30,10 @@ from .plan import (
     without_result,
 )
 from .request import Interrupted, Request, Running
-from .status import BAD_INPUT, STOPPED, complain, say
+from .status import STATUSES, Outcome, complain, say
 from .table import write_case_table
-from .workers import Job, Outcome, Report, run_jobs
+from .workers import Job, Report, run_jobs
 
-STATUSES = {
-    "converged": 0, "invalid": STOPPED, "interrupted": STOPPED, "stopped": STOPPED, "killed": STOPPED,
-    "refused": BAD_INPUT,
-}  # fmt: skip
 BENT = 0.02  # difference of the two gyrification indices from which both are told
 
 
@@ -81,7 +77,6 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
     jobs = deque(
         Job(case.path, one.name, one.scene, base / folder_name(one.name), one.provenance)
         for one in plan
-        if one.scene is not None
     )
     for job in jobs:
         assert job.scene is not None

@@ -49,7 +49,7 @@ def sensitivities(request: Request, running: Running, asked: Asked) -> int:
     """
     case = find_case(request.case)
     plan = planned(case, request)
-    scenes = {one.name: one.scene for one in plan if one.scene is not None}
+    scenes = {one.name: one.scene for one in plan}
     parameters = {name: _parameters(name, scene, asked) for name, scene in scenes.items()}
     base = base_folder(case, request)
     usual = base / f"{case.name}-sensitivity.png"

@@ -5,13 +5,34 @@ from __future__ import annotations
 import os
 import sys
 import textwrap
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 BAD_INPUT = 2
 STOPPED = 3  # a solve
 IO_FAILED = 4
 INTERRUPTED = 130
 
+STATUSES = {  # of runs
+    "converged": 0, "invalid": STOPPED, "interrupted": STOPPED, "stopped": STOPPED, "killed": STOPPED,
+    "failed": STOPPED, "refused": BAD_INPUT,
+}  # fmt: skip
 WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended, and why.
+
+    status: of its result; or "refused" (bad input), "killed", or "failed" by an error in the program.
+    summary: the numbers of its last state, of a point of a study.
+    """
+
+    name: str
+    status: str
+    message: str = ""
+    summary: Mapping[str, Any] = field(default_factory=dict)
 
 
 def say(text: str) -> None:

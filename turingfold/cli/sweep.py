@@ -1,62 +1,228 @@
-"""turingfold sweep: a case's scenes with other values of some parameters, side by side."""
+"""turingfold sweep: a case's scenes with other values of parameters, side by side; collect: their table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+import shutil
+import sys
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ..figures.grids import grid
 from ..figures.style import sulci
-from ..models.declared import as_text, find
-from ..results.files import read_json
-from ..results.result import Result, read_result
-from ..studies.sweep import is_part, named_combinations, read_values, varied
-from .case import Case, check_apart, find_case, folder_name
+from ..results.files import writing
+from ..results.folder import expected_size
+from ..results.lock import FolderLock
+from ..results.result import Result, Row, read_result
+from ..results.simulate import CoarseMeshWarning, coarseness
+from .case import Case, find_case, folder_name
+from .design import Design, points
 from .figure import save_figure
-from .plan import Planned, base_folder, has_result, planned
-from .request import Assignments, Request, Running
-from .run import finished, outcomes
-from .status import say
-from .table import write_table
-from .workers import Outcome
+from .plan import base_folder, has_result
+from .point import RECORD, Maker, Point
+from .request import Interrupted, Request, Running
+from .run import finished
+from .status import Outcome, say
+from .study import STUDY, TABLE, Rows, described, ended, read_study, write_study
+from .study import collect as collected
+from .workers import run_jobs
 
-TABLE = "sweep.csv"
-NUMBERS = (
-    "growth", "folds", "least_fold_depth", "gyrification_index", "closed_gyrification_index", "sulcal_depth",
-    "registration", "registration_p", "energy", "min_jacobian",
-    "self_intersections", "saddles", "snaps", "steps", "newton_iterations", "seconds",
-)  # fmt: skip
 SIDE_BY_SIDE = 4  # pictures in a row
 PAGE = 48  # pictures in a figure
+PICTURED = 192  # points; of more, nobody looks at every one
+RECORD_SIZE = 3e3  # bytes
+MB = 1e6
 
 
-def sweep(request: Request, vary: Assignments, running: Running) -> int:
-    """Run the variations of a case's scenes, write their numbers in one table, draw them side by side.
+@dataclass(frozen=True)
+class Asked:
+    """How a study is run, beside the number of processes.
+
+    keep: see `Point`.  task: (I, N) for the I-th of N parts of the study, which schedulers run side by side.
+    dask: address of a cluster's scheduler, or "local".
+    """
+
+    keep: str = "last"
+    task: tuple[int, int] | None = None
+    dask: str = ""
+
+    def words(self) -> list[str]:
+        """Return the words of the command line that say this."""
+        found = ["--keep", self.keep] if self.keep != "last" else []
+        found += ["--task", f"{self.task[0]}/{self.task[1]}"] if self.task else []
+        return found + (["--dask", self.dask] if self.dask else [])
+
+
+def sweep(request: Request, design: Design, running: Running, asked: Asked) -> int:
+    """Run the points of a study, write their numbers in one table, draw them side by side.
 
     The table grows as points end; points that stop, or that the case refuses, have a row that says why. It is
-    of this sweep alone: results of earlier ones stay in their folders, but are not read.
+    of this study alone: results of earlier ones stay in their folders, but are not read.
     """
     case = find_case(request.case)
-    plan = points(case, request, vary)
-    base, names = base_folder(case, request), [name for name, _ in vary]
-    ends = {one.name: Outcome(one.name, "refused", one.refused) for one in plan if one.scene is None}
+    base = base_folder(case, request)
+    every, maker = points(case, request, design, base, asked.keep)
+    plan = [replace(one, overwrite=running.overwrite) for one in _part(every, asked.task)]
+    again = running.resume or (asked.task is not None and not running.overwrite)
+    ends = _ended(plan, running, again=again)
+    left = deque(one for one in plan if one.name not in ends)
+    first = few = _announce(plan, left, maker, base, asked)
+    with writing(base):
+        base.mkdir(parents=True, exist_ok=True)
+    with nullcontext() if asked.task else _locked(base):
+        _begin(base, described(case, every, request.words()), asked.task)
+        table = Rows(base / _table(asked.task), plan, ends)
+        for end in _run(left, request, running, asked, maker):
+            ends[end.name] = end
+            table.add(end)
+            say(_line(end))
+            few = min(few, end.summary.get("elements_through_cortex", few))
+        table.finish()
+    if few < first - 0.01 and (words := coarseness(few)):
+        say(f"note: {words}")
+    return _finish(case, request, plan, ends, asked)
 
-    def write() -> None:
-        rows = [_row(one, ends[one.name], names, base) for one in plan if one.name in ends]
-        write_table(base / TABLE, ("scene", *names, "status", *NUMBERS, "message"), rows)
 
-    under_way = outcomes(case, plan, request, running)
-    plan = [replace(one, scene=None) for one in plan]  # bodies go when they have run
-    write()
-    for end in under_way:
-        ends[end.name] = end
-        write()
-        say(_line(end, base))
+def _part(plan: Sequence[Point], task: tuple[int, int] | None) -> Sequence[Point]:
+    """Return the points of a task: every N-th one, so that neighbours, which take alike, are shared out."""
+    return plan if task is None else plan[task[0] - 1 :: task[1]]
+
+
+def _table(task: tuple[int, int] | None) -> str:
+    return TABLE if task is None else f"sweep-task-{task[0]}-of-{task[1]}.csv"
+
+
+def _ended(plan: Sequence[Point], running: Running, *, again: bool) -> dict[str, Outcome]:
+    """Return the points that need not be run again; raises ValueError for folders that are taken."""
+    if running.overwrite:
+        for one in plan:
+            (one.folder / RECORD).unlink(missing_ok=True)
+        return {}
+    found = {}
+    for one in plan:
+        taken = next((name for name in (RECORD, "scene.json") if (one.folder / name).exists()), "")
+        if taken and not again:
+            raise ValueError(
+                f"{one.folder} already holds a result; choose another folder (--out), go on with the study "
+                "(--resume) or replace what is there (--overwrite)."
+            )
+        if taken == RECORD and (end := ended(one)):
+            found[one.name] = end
+    return found
+
+
+def _announce(plan: Sequence[Point], left: Sequence[Point], maker: Maker, base: Path, asked: Asked) -> float:
+    """Say how many points there are and what disk they need; return the elements through the cortex.
+
+    Raises ValueError where the disk has no room for them.
+    """
+    first = next((scene for scene in maker.latest.values()), None)
+    few = float("inf") if first is None else first.body.elements_through_cortex
+    if words := coarseness(few):
+        print(f"turingfold: note: {words}", file=sys.stderr)
+    done = f", {len(plan) - len(left)} of them done" if len(left) < len(plan) else ""
+    size = RECORD_SIZE
+    if first is not None and asked.keep != "summary":
+        size += expected_size(first, last=asked.keep == "last")
+    place = next(folder for folder in (base, *base.parents) if folder.is_dir())
+    free, needed = shutil.disk_usage(place).free, size * len(left)
+    words = f"about {needed / MB:.3g} MB of disk, {size / MB:.2g} MB each"
+    say(f"{len(plan)} points{done}; --keep {asked.keep} needs {words} ({free / MB:.3g} MB are free)")
+    if needed > free:
+        raise ValueError(
+            f"the study needs {words}, and {free / MB:.3g} MB are free; choose --keep summary, or "
+            "another folder (--out)."
+        )
+    return few
+
+
+@contextmanager
+def _locked(base: Path) -> Iterator[None]:
+    with writing(base):
+        lock = FolderLock(base)
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _begin(base: Path, study: Mapping[str, Any], task: tuple[int, int] | None) -> None:
+    """Write study.json; raises ValueError for a task of another study than the one that is there."""
+    if task and (base / STUDY).exists():
+        if read_study(base)["points"] == study["points"]:
+            return
+        raise ValueError(
+            f"{base} is of a study with other points; tasks of one study differ by --task alone. Choose "
+            "another folder (--out), or remove it."
+        )
+    write_study(base, study)
+
+
+def _run(
+    left: deque[Point], request: Request, running: Running, asked: Asked, maker: Maker
+) -> Iterator[Outcome]:
+    warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all points
+    try:
+        with _progress(len(left)) as (report, count):
+            ends = run_jobs(left, running, report, maker)
+            for end in ends:
+                yield end
+                count()
+    except KeyboardInterrupt as error:
+        at_a_time = ("--jobs", str(running.jobs)) if running.jobs > 1 else ()
+        raise Interrupted(request.words(*at_a_time, "--resume")) from error
+
+
+Report = Callable[[str, Row, int], None]
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[tuple[Report, Callable[[], None]]]:
+    """Show one bar for all points on the terminal; silent where there is none."""
+    if not sys.stderr.isatty():
+        yield (lambda name, row, iterations: None), (lambda: None)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("points"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("left,"),
+        TextColumn("{task.description}"),
+    )  # fmt: skip
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task("", total=total)
+
+        def report(name: str, row: Row, iterations: int) -> None:
+            bar.update(task, description=f"{name} at growth {row['growth']:.2f}")
+
+        yield report, lambda: bar.advance(task)
+
+
+def _line(end: Outcome) -> str:
+    if not end.summary:
+        return f"{end.name}: {end.status}"
+    shape = f"{sulci(end.summary['folds'])}, gyrification {end.summary['gyrification_index']:.2f}"
+    return f"{end.name}: {end.status} at growth {end.summary['growth']:.2f}, {shape}"
+
+
+def _finish(
+    case: Case, request: Request, plan: Sequence[Point], ends: Mapping[str, Outcome], asked: Asked
+) -> int:
+    """Say what came of the study and draw the points side by side; return the exit status."""
+    base = base_folder(case, request)
     status = finished(list(ends.values()), case, request)
-    _tell(ends, base)
+    _tell(ends.values(), base / _table(asked.task))
+    if asked.task:
+        say(f"when all tasks have ended: turingfold collect {base}")
+        return status
     shown = [one.name for one in plan if has_result(base, one.name)]
+    if len(shown) > PICTURED:
+        say(f"figure: not drawn, {len(shown)} points are too many side by side; see turingfold plot {base}")
+        return status
     for path, page in _pages(shown, base / f"{case.name}-sweep.png"):
         with save_figure(path) as figure:
             draw(figure, Stored(base, page, case))
@@ -64,73 +230,18 @@ def sweep(request: Request, vary: Assignments, running: Running) -> int:
     return status
 
 
-def points(case: Case, request: Request, vary: Assignments) -> list[Planned]:
-    """Return each scene of a case with each combination of values, given as text by parameter.
-
-    Raises ValueError for unknown parameters, values of another kind or out of range, values of one name, and
-    where no combination at all can be made; one that cannot be made is `refused`.
-    """
-    names = [name for name, _ in vary]
-    for name in names:
-        if names.count(name) > 1 or name in dict(request.assigned):
-            raise ValueError(f"{name} is given twice; list all its values in one --vary.")
-    own = {name: find(case.parameters, name).read_list(text) for name, text in vary if not is_part(name)}
-    parts = {name: text for name, text in vary if is_part(name)}
-    found: list[Planned] = []
-    for label, chosen in (named_combinations(own) if own else {"": {}}).items():
-        try:
-            plan = planned(case, request, chosen)
-        except ValueError as error:
-            found.append(Planned(label or case.name, None, {}, chosen, str(error)))
-            continue
-        for one in plan:
-            prefix = f"{one.name}, " if len(plan) > 1 else ""
-            found += [replace(point, name=prefix + point.name) for point in _of_scene(one, chosen, parts)]
-    if all(one.scene is None for one in found):
-        raise ValueError(found[0].refused)
-    check_apart([one.name for one in found], case.path)
-    return found
-
-
-def _of_scene(one: Planned, chosen: Mapping[str, Any], parts: Mapping[str, str]) -> Iterator[Planned]:
-    """Yield a scene with each combination of values of its parts, given as text; parameters as chosen."""
-    assert one.scene is not None
-    lists = {parameter: read_values(text, one.scene, parameter) for parameter, text in parts.items()}
-    values = {parameter: [value] for parameter, value in chosen.items()} | lists
-    for name, combination in named_combinations(values).items():
-        changes = {parameter: [combination[parameter]] for parameter in parts}
-        told = {parameter: as_text(combination[parameter]) for parameter in parts}
-        provenance = dict(one.provenance) | ({"parts": told} if parts else {})
-        try:
-            scene = next(iter(varied(one.scene, changes).values())) if changes else one.scene
-        except ValueError as error:
-            yield Planned(name, None, provenance, combination, str(error))
-        else:
-            yield Planned(name, scene, provenance, combination)
-
-
-def _row(one: Planned, end: Outcome, names: Sequence[str], base: Path) -> list[Any]:
-    file = base / folder_name(one.name) / "summary.json"
-    summary = read_json(file) if not one.refused and file.is_file() else {}
-    status = end.status if end.status in ("refused", "killed") else summary.get("status", end.status)
-    numbers = [summary.get(number) for number in NUMBERS]
-    return [one.name, *(one.varied.get(name) for name in names), status, *numbers, end.message]
-
-
-def _line(end: Outcome, base: Path) -> str:
-    file = base / folder_name(end.name) / "summary.json"
-    if not file.is_file():
-        return f"{end.name}: {end.status}"
-    summary = read_json(file)
-    shape = f"{sulci(summary['folds'])}, gyrification {summary['gyrification_index']:.2f}"
-    return f"{end.name}: {end.status} at growth {summary['growth']:.2f}, {shape}"
-
-
-def _tell(ends: Mapping[str, Outcome], base: Path) -> None:
-    kinds = [end.status for end in ends.values()]
+def _tell(ends: Iterable[Outcome], table: Path) -> None:
+    kinds = [end.status for end in ends]
     words = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    say(f"{len(ends)} points: {words}")
-    say(f"table: {base / TABLE}")
+    say(f"{len(kinds)} points: {words}")
+    say(f"table: {table}")
+
+
+def collect(base: Path) -> int:
+    """Write the table of a study from the records of its points, whichever task or machine has run them."""
+    table, ends = collected(base)
+    _tell(ends, table)
+    return 0
 
 
 class Stored(Mapping[str, tuple[Result, int]]):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ..results.files import write_whole
+from ..results.files import open_unlinked, write_whole, writing
 from ..results.result import Result
 from .case import Case, explained
 
@@ -34,11 +36,43 @@ def write_case_table(case: Case, results: Mapping[str, Result], base: Path) -> P
 
 def write_table(path: Path, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
     """Write a table as CSV, at once; None is written as nothing."""
+    write_whole(path, _lines([columns, *rows]))
+
+
+def append_row(path: Path, row: Iterable[Any]) -> None:
+    """Add a row to a table."""
+    with writing(path), os.fdopen(open_unlinked(path, os.O_APPEND), "ab") as file:
+        file.write(_lines([row]))
+
+
+def _lines(rows: Iterable[Iterable[Any]]) -> bytes:
     text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(columns)
-    table.writerows(rows)
-    write_whole(path, text.getvalue().encode())
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
+
+
+def write_parquet(path: Path, columns: Mapping[str, str], rows: Sequence[Sequence[Any]]) -> None:
+    """Write a table as Parquet where pyarrow is installed (the extra `hpc`).
+
+    columns: units by name, stored with each column; one whose values are of several kinds is written as text.
+    """
+    if find_spec("pyarrow") is None:
+        return
+    import pyarrow
+    from pyarrow import parquet
+
+    arrays, fields = [], []
+    for k, (name, unit) in enumerate(columns.items()):
+        values = [row[k] for row in rows]
+        try:
+            array = pyarrow.array(values)
+        except (pyarrow.ArrowInvalid, pyarrow.ArrowTypeError):
+            array = pyarrow.array([None if value is None else str(value) for value in values])
+        arrays.append(array)
+        fields.append(pyarrow.field(name, array.type, metadata={"unit": unit}))
+    content = io.BytesIO()
+    parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields)), content)
+    write_whole(path, content.getvalue())
 
 
 def as_markdown(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:

@@ -1,7 +1,8 @@
 """Scenes run in this process one after the other, or in several processes at a time.
 
-A process gets a scene as it is stored, for a case may take long to make it, and sends back each row of its
-history. One that is killed takes only its scene with it; all end when the process that started them does.
+A process gets a scene as it is stored, for a case may take long to make it, or a point of a study, whose
+scene it makes; it sends back each row of the history, and stays for the next. One that is killed takes only
+its scene with it; all end when the process that started them does.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ from ..results.result import Row
 from ..results.simulate import CoarseMeshWarning, simulate
 from ..scene import Scene
 from .case import load_case
+from .point import Maker, Point, run_point
 from .request import Running
+from .status import Outcome
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
 
@@ -40,22 +43,22 @@ class Job:
     provenance: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How a run ended, and why: the status of its result, "refused" (bad input) or "killed"."""
+def run_jobs(
+    jobs: deque[Job] | deque[Point], running: Running, report: Report, maker: Maker | None = None
+) -> Iterator[Outcome]:
+    """Run scenes or points, take them off the list, and yield how each ended.
 
-    name: str
-    status: str
-    message: str = ""
-
-
-def run_jobs(jobs: deque[Job], running: Running, report: Report) -> Iterator[Outcome]:
-    """Run scenes, take them off the list, and yield how each ended. Raises OSError where writing fails."""
+    maker: of points that are run in this process.  Raises OSError where writing fails.
+    """
     if running.jobs == 1:
         while jobs:
             job = jobs.popleft()
-            assert job.scene is not None
-            yield _run(job, job.scene, running, _counting(job.name, report))
+            progress = _counting(job.name, report)
+            if isinstance(job, Point):
+                yield run_point(job, maker, progress)
+            else:
+                assert job.scene is not None
+                yield _run(job, job.scene, running, progress)
             del job  # before the next is run
     else:
         yield from _together(jobs, running, report)
@@ -91,16 +94,15 @@ class _Worker:
     link: Connection
 
 
-def _together(jobs: deque[Job], running: Running, report: Report) -> Iterator[Outcome]:
-    busy: dict[_Worker, tuple[Job, Callable[[Row], None]]] = {}
+def _together(jobs: deque[Job] | deque[Point], running: Running, report: Report) -> Iterator[Outcome]:
+    busy: dict[_Worker, tuple[Job | Point, Callable[[Row], None]]] = {}
     idle: list[_Worker] = []
     try:
         while jobs or busy:
             while jobs and len(busy) < running.jobs:
                 worker = idle.pop() if idle else _started()
                 job = jobs.popleft()
-                assert job.scene is not None
-                worker.link.send((replace(job, scene=None), *stored(job.scene), running))
+                worker.link.send(_sent(job, running))
                 busy[worker] = job, _counting(job.name, report)
             for link in connection.wait([worker.link for worker in busy]):
                 worker = next(own for own in busy if own.link is link)
@@ -124,6 +126,13 @@ def _together(jobs: deque[Job], running: Running, report: Report) -> Iterator[Ou
             worker.link.close()  # they end after the step they are in
         for worker in [*busy, *idle]:
             worker.process.join()
+
+
+def _sent(job: Job | Point, running: Running) -> tuple[Any, ...]:
+    if isinstance(job, Point):
+        return (job,)
+    assert job.scene is not None
+    return replace(job, scene=None), *stored(job.scene), running
 
 
 def _started() -> _Worker:
@@ -158,12 +167,18 @@ def _serve(link: Connection) -> None:
         except OSError:  # the process that started this one has ended, or was told to
             raise KeyboardInterrupt from None
 
+    maker = Maker()
     with suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
-            job, document, arrays, running = link.recv()
+            job, *rest = link.recv()
             try:
-                scene = rebuilt(document, arrays, load_case(job.case).known)
-                answer: Any = _run(job, scene, running, progress)
+                answer: Any
+                if isinstance(job, Point):
+                    answer = run_point(job, maker, progress)
+                else:
+                    document, arrays, running = rest
+                    scene = rebuilt(document, arrays, load_case(job.case).known)
+                    answer = _run(job, scene, running, progress)
             except OSError as error:  # results cannot be written: nor can those of the other scenes
                 answer = error
             link.send(answer)

