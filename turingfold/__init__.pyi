@@ -15,9 +15,11 @@ from .geometry.refinement import refined as refined
 from .geometry.roughness import geometric_imperfection as geometric_imperfection
 from .geometry.shapes import semicircle as semicircle
 from .geometry.shapes import semiellipse as semiellipse
+from .geometry.surface_table import SurfaceTable as SurfaceTable
 from .growth.ages import Days as Days
 from .growth.ages import Weeks as Weeks
 from .growth.along import GrowthMap as GrowthMap
+from .growth.along import GrowthTable as GrowthTable
 from .growth.histories import Exponential as Exponential
 from .growth.histories import Gompertz as Gompertz
 from .growth.histories import Linear as Linear

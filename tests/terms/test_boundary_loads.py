@@ -126,13 +126,14 @@ def test_tables_are_read_with_their_units(tmp_path, body):
     ("text", "message"),
     [
         ("a,fx [N/m],fy [N/m]\n", "must name the columns"),
+        ("s,gx [N/m],fy [N/m]\n0.1,1,1", "they must be fx, fy"),
         ("", "must name the columns"),
         ("s,fx [N/m],fy [lbf]\n0.1,1,1", "column fy has the unit 'lbf'"),
         ("s [mm],fx [N/m],fy [N/m]\n0.1,1,1", "column s has the unit 'mm'.*no unit"),
         ("x,y [mm],fx [N/m],fy [N/m]\n0.1,1,1,1", "column x has the unit None"),
         ("s,fx [N/m],fy [N/m]\n0.1,1\n", "line 2: '0.1,1' is not 3 numbers"),
         ("s,fx [N/m],fy [N/m]\n0.1,1,nan\n", "line 2.*not finite"),
-        ("s,fx [N/m],fy [N/m]\n", "holds no loads"),
+        ("s,fx [N/m],fy [N/m]\n", "holds no places"),
     ],
 )
 def test_wrong_tables_are_refused_by_name(tmp_path, text, message):

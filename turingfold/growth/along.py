@@ -1,32 +1,45 @@
-"""Growth that is given along the pial surface: by values at evenly spaced places."""
+"""Growth that is given along the pial surface: by values at places, and at ages."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from ..arrays import Array
 from ..checks import finite_array, instance, one_of
+from ..errors import InadmissibleStateError
 from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
+from ..geometry.surface_table import BETWEEN, Places, SurfaceTable, checked_places, on_surface
 from ..state import State
+from .ages import Ages, Weeks
 from .histories import History, Linear
 from .laws import OUT_OF_PLANE, GrowthLaw
+
+OF = ("length", "area")
+SLACK = 1e-9  # by which round-off may pass the first and the last age of a table
 
 
 @dataclass(frozen=True, kw_only=True)
 class GrowthMap(GrowthLaw):
     """Tangential growth of the cortex, different from place to place; writes "growth".
 
-    g_t = 1 + θ (g(s) - 1), g piecewise linear in the arc length s of the nearest pial point.
-    cortex: factors at the end of the history at evenly spaced places, from one end of the pial surface,
+    g_t = 1 + θ (g(s) - 1), s the nearest pial point.
+    cortex: factors g at the end of the history, two or more.
+    places: of each factor along the pial surface, as shares of its length or as points in m, such as
+    landmarks, or all points of an outline. Left out, they are evenly spaced, from one end of the surface,
     counter-clockwise, to the other; round a closed one, where it begins and ends anywhere, the first factor
-    follows the last.  out_of_plane: "fixed" (g_z = 1) or "tangential" (g_z = g_t).
-    Raises ValueError for fewer than two factors, or one that is not positive.
+    follows the last.
+    between: places: "linear" in arc length, or "nearest", as in regions of constant growth.
+    out_of_plane: "fixed" (g_z = 1) or "tangential" (g_z = g_t).
+    Raises ValueError for fewer than two factors, or one that is not positive, and places off the surface.
     """
 
     cortex: tuple[float, ...]
+    places: Places | None = None
+    between: str = "linear"
     out_of_plane: str = "fixed"
     history: History = field(default_factory=Linear)
 
@@ -35,16 +48,105 @@ class GrowthMap(GrowthLaw):
         if values.size < 2 or not values.min() > 0:
             raise ValueError(f"cortex={self.cortex!r} must be two or more positive growth factors.")
         object.__setattr__(self, "cortex", tuple(values.tolist()))
+        if self.places is not None:
+            object.__setattr__(self, "places", checked_places(self.places, values.size, "cortex"))
+        one_of("between", self.between, BETWEEN)
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
         instance("history", self.history, History, "Linear() or Exponential()")
 
     def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
         """Return g_t and g_n = 1 at a time."""
-        values = np.array([self.history.factor(final, time) for final in self.cortex])
-        share = body.pial_share(body.arc)
-        if body.pial_curve.closed:
-            local = np.interp(share, np.linspace(0, 1, len(values) + 1), np.append(values, values[0]))
-        else:
-            local = np.interp(share, np.linspace(0, 1, len(values)), values)
-        along = 1.0 + cortex_indicator(body) * (local - 1.0)
-        return along, np.ones_like(along)
+        values, places = np.array([self.history.factor(final, time) for final in self.cortex]), self.places
+        if places is None:
+            evenly = np.linspace(0.0, 1.0, len(values), endpoint=not body.pial_curve.closed)
+            places = tuple(evenly.tolist())
+        return _grown(body, on_surface(body, places, values, self.between))
+
+
+@dataclass(frozen=True, kw_only=True)
+class GrowthTable(GrowthLaw):
+    """Tangential growth of the cortex by place and age, as regional growth is published; writes "growth".
+
+    g_t = 1 + θ (f(s, a)/f(s, a₀) - 1), s the nearest pial point, a the age, a₀ that at t = 0; f is linear
+    between the ages of the table.
+    at: ages of the table's rows, increasing, in the unit of `ages`; they hold all ages from start to end.
+    cortex: a row of values to each age, one to each place; only their ratios matter, so that they may be
+    sizes, or growth since any age.
+    of: "length" along the surface, or "area" of the cortex, which grows as the square of a length.
+    places, between, out_of_plane: as of `GrowthMap`.  ages: which times of the scene are which ages.
+    """
+
+    at: tuple[float, ...]
+    cortex: tuple[tuple[float, ...], ...]
+    places: Places
+    ages: Ages = field(default_factory=Weeks)
+    of: str = "length"
+    between: str = "linear"
+    out_of_plane: str = "fixed"
+
+    def __post_init__(self) -> None:
+        at, rows = finite_array("at", self.at, (None,)), finite_array("cortex", self.cortex, (None, None))
+        if len(at) < 2 or not (np.diff(at) > 0).all() or len(at) != len(rows):
+            raise ValueError(
+                f"at={self.at!r} must be two or more ages in increasing order, one for each of the "
+                f"{len(rows)} rows of cortex."
+            )
+        if not rows.min() > 0:
+            raise ValueError(f"cortex holds {rows.min():g}; sizes and growth factors are positive.")
+        object.__setattr__(self, "at", tuple(at.tolist()))
+        object.__setattr__(self, "cortex", tuple(tuple(row) for row in rows.tolist()))
+        object.__setattr__(self, "places", checked_places(self.places, rows.shape[1], "the rows of cortex"))
+        instance("ages", self.ages, Ages, "Weeks(start=28, end=40)")
+        one_of("of", self.of, OF)
+        one_of("between", self.between, BETWEEN)
+        one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
+        start = self.ages.age(0.0)
+        if not at[0] - SLACK <= start < at[-1]:
+            raise ValueError(
+                f"at goes from {self.ages.unit} {at[0]:g} to {at[-1]:g}, and the scene begins at {start:g}; "
+                "give rows for all its ages."
+            )
+
+    @classmethod
+    def read(
+        cls, file: str | Path, *, ages: Ages, of: str = "length", between: str = "linear",
+        out_of_plane: str = "fixed",
+    ) -> GrowthTable:  # fmt: skip
+        """Return the growth in a CSV file: a row to each place, "s" or "x [mm], y [mm]", a column to each
+        age, named by its number with or without a word, such as "week 28".
+
+        Raises ValueError, naming the file, for columns without a number, and as `SurfaceTable.read`.
+        """
+        table = SurfaceTable.read(file)
+        words = [column.split() for column in table.columns]
+        try:
+            at = tuple(float(word[-1].lstrip("Pp")) for word in words)
+        except (ValueError, IndexError) as error:
+            raise ValueError(
+                f"{Path(file).name}: the columns of values are {', '.join(table.columns)}; each must be "
+                'named by its age, such as "28" or "week 28".'
+            ) from error
+        return cls(
+            at=at, cortex=tuple(zip(*table.values, strict=True)), places=table.places, ages=ages, of=of,
+            between=between, out_of_plane=out_of_plane,
+        )  # fmt: skip
+
+    def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
+        """Return g_t and g_n = 1 at a time; raises InadmissibleStateError beyond the table's last age."""
+        now, start = self.ages.age(time), self.ages.age(0.0)
+        if now > self.at[-1] * (1 + SLACK):
+            raise InadmissibleStateError(
+                f"GrowthTable: t = {time:.4g} is {self.ages.unit} {now:.4g}, but the table ends at "
+                f"{self.at[-1]:g}; end the scene earlier, or give more rows.",
+                time=time,
+            )
+        rows = np.array(self.cortex)
+        size, before = (np.array([np.interp(age, self.at, row) for row in rows.T]) for age in (now, start))
+        ratio = size / before
+        values = np.sqrt(ratio) if self.of == "area" else ratio
+        return _grown(body, on_surface(body, self.places, values, self.between))
+
+
+def _grown(body: Body, local: Array) -> tuple[Array, Array]:
+    along = 1.0 + cortex_indicator(body) * (local - 1.0)
+    return along, np.ones_like(along)

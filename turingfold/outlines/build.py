@@ -16,12 +16,12 @@ from ..checks import between, finite_array, instance, one_of, positive
 from ..geometry.body import BASES, Body
 from ..geometry.changes import Changes
 from ..geometry.shapes import element_size
+from ..geometry.units import note_large
 from .domain import Given, Thickness, domain
 from .frame import RESOLUTION, Size
 from .loops import closed_loops, large_enough, placed_bases
 from .mesh import meshed
 from .section import Section
-from .units import note_large
 
 HOLES = ("free", "clamped")
 MOST = 2e6  # triangles in the cortex

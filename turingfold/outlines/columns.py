@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array
-from .units import METRES, UNIT
+from ..geometry.units import METRES, UNIT
 
 COMMENT = re.compile(r"(^|\s)[#%].*$")
 MISSING = ("", "nan", "na", "n/a", "null")

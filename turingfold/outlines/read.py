@@ -9,8 +9,8 @@ from shapely import Polygon
 
 from ..arrays import Array
 from ..checks import file_path
+from ..geometry.units import metres, note_large
 from .columns import read_columns
-from .units import metres, note_large
 
 COLUMNS = (".csv", ".txt", ".dat", ".tsv")
 

@@ -10,7 +10,7 @@ import shapely
 
 from ..arrays import Array, Booleans
 from ..checks import finite_array
-from .units import note_large
+from ..geometry.units import note_large
 
 
 @dataclass(frozen=True, eq=False)

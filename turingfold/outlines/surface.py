@@ -14,9 +14,9 @@ from shapely import Polygon
 
 from ..arrays import Array, Integers
 from ..checks import file_path, finite, finite_array, one_of
+from ..geometry.units import metres
 from .image import DAMAGE, PLANES, nibabel_for
 from .section import Section
-from .units import metres
 
 Surface = str | os.PathLike[str] | tuple[Any, Any]
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import finite, finite_array, one_of, positive
 from ..geometry.body import Body
+from ..geometry.surface_table import checked_places
 from ..parts import Load, Operator, TimeStep
 from ..state import State
 from .line import SHAPES, WEIGHTS, DeadLoad, Line
@@ -43,17 +44,7 @@ class BoundaryLoads(Load):
 
     def __post_init__(self) -> None:
         forces = finite_array("forces", self.forces, (None, 2))
-        by_share = np.ndim(self.places) == 1
-        places = finite_array("places", self.places, (None,) if by_share else (None, 2))
-        if len(places) != len(forces) or not len(places):
-            raise ValueError(
-                f"places has {len(places)} and forces {len(forces)} entries; give one force per place."
-            )
-        if by_share and not (places.min() >= 0 and places.max() <= 1):
-            worst = places[np.argmax(np.abs(places - 0.5))]
-            raise ValueError(f"places holds {worst:g}; shares of the surface's length are from 0 to 1.")
-        listed = places.tolist() if by_share else [tuple(place) for place in places.tolist()]
-        object.__setattr__(self, "places", tuple(listed))
+        object.__setattr__(self, "places", checked_places(self.places, len(forces), "forces"))
         object.__setattr__(self, "forces", tuple(tuple(force) for force in forces.tolist()))
         _check_spreading(self.width, self.spread, self.ramp)
 
