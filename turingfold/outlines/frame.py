@@ -18,7 +18,7 @@ Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 Put = Callable[[Array], Array]  # points (2, n) near a smooth line -> points on it
 
 BEND = 0.8  # rad, by which an edge of a curved line turns at most
-FINEST = 0.125  # share of the asked element size below which bends do not refine a line
+FINEST = 0.3  # share of the asked element size below which bends do not refine a line
 RESOLUTION = 2.0**-24  # of the extent: smaller differences are round-off
 CORNER = 30.0  # degrees by which a base must turn for its vertex to be kept
 
