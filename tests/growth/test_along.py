@@ -106,7 +106,8 @@ def test_tables_by_week_grow_as_the_table_and_areas_as_squares(disc, tmp_path):
 
 def test_a_run_by_a_table_is_stored_with_it(disc, tmp_path):
     law = GrowthTable(at=(0.0, 8.0, 32.0), cortex=((1.0,), (1.02,), (1.05,)), places=(0.0,), ages=Days())
-    solid, stops = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Stepping(first=0.5, stops=Days().times(8))
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
+    stops = Stepping(first=0.5, largest=0.5, stops=Days().times(8))
     scene = Scene(body=disc, terms=(solid,), processes=(law,), stepping=stops)
     result = simulate(scene, out=tmp_path / "run")
     assert result.at(day=8).time == pytest.approx(Days().time(8))
