@@ -46,6 +46,12 @@ def _collect(options: argparse.Namespace) -> int:
     return collect(options.study)
 
 
+def _plot(options: argparse.Namespace) -> int:
+    from .plot import plot
+
+    return plot(options.study, options.x, options.y, options.colour, options.figure)
+
+
 def _accuracy(options: argparse.Namespace) -> int:
     from .accuracy import accuracy
 
@@ -139,6 +145,7 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "run": _run,
     "sweep": _sweep,
     "collect": _collect,
+    "plot": _plot,
     "accuracy": _accuracy,
     "sensitivity": _sensitivity,
     "app": _app,

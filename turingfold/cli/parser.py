@@ -122,6 +122,18 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     collect.add_argument("study", type=Path, metavar="STUDY", help="folder of the study")
     collect.set_defaults(command="collect")
 
+    plot = commands.add_parser(
+        "plot", parents=[common], help="a phase diagram of a study",
+        description="Draw a measure of a study's points in colours over two of its columns, as cells where "
+        "the points are a grid; with --x alone, its percentiles along that column.",
+    )  # fmt: skip
+    plot.add_argument("study", type=Path, metavar="STUDY", help="folder of the study")
+    plot.add_argument("--x", required=True, metavar="NAME", help="a parameter that is varied, or a measure")
+    plot.add_argument("--y", metavar="NAME", help="another one")
+    plot.add_argument("--colour", metavar="NAME", help="a measure, such as gyrification_index (folds)")
+    plot.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there (STUDY/plot.png)")
+    plot.set_defaults(command="plot")
+
 
 def _add_cases(
     commands: Commands, stored: argparse.ArgumentParser, common: argparse.ArgumentParser

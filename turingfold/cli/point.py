@@ -63,7 +63,12 @@ class Point:
         return hashlib.sha256(json.dumps(own).encode()).hexdigest()
 
 
-def read_record(folder: Path, identity: str) -> dict[str, Any]:
+def is_taken(folder: Path) -> bool:
+    """Return whether a folder holds a result, perhaps of another point."""
+    return (folder / "scene.json").exists() or read_record(folder).get("status") not in (None, "refused")
+
+
+def read_record(folder: Path, identity: str | None = None) -> dict[str, Any]:
     """Return the record in a folder; empty where there is none, a damaged one, or one of another point."""
     file = folder / RECORD
     if not file.is_file():
@@ -72,7 +77,7 @@ def read_record(folder: Path, identity: str) -> dict[str, Any]:
         found = unsigned(read_json(file), file)
     except CorruptFileError:
         return {}
-    return found if found.get("identity") == identity else {}
+    return found if identity in (None, found.get("identity")) else {}
 
 
 class Maker:

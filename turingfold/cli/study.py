@@ -110,21 +110,25 @@ def outcome_of(name: str, record: Mapping[str, Any]) -> Outcome:
     return Outcome(name, record["status"], record["message"], record["summary"] or {})
 
 
-def collect(base: Path) -> tuple[Path, list[Outcome]]:
-    """Write the table of a study from the records of its points; return its file, and how each point ended.
+def gathered(base: Path) -> tuple[dict[str, Any], list[Outcome]]:
+    """Return what study.json says, and how each of its points ended by the records.
 
-    A point without a record is "running" or "not run".
+    A point without a record is "running" or "not run". Raises as `read_study`.
     """
-    study = read_study(base)
-    rows, ends = [], []
+    study, ends = read_study(base), []
     for point in study["points"]:
         folder = base / folder_name(point["name"])
         if record := read_record(folder, point["identity"]):
-            end = outcome_of(point["name"], record)
+            ends.append(outcome_of(point["name"], record))
         else:
-            end = Outcome(point["name"], "running" if writer(folder) else "not run")
-        ends.append(end)
-        rows.append(row(point["varied"], end))
+            ends.append(Outcome(point["name"], "running" if writer(folder) else "not run"))
+    return study, ends
+
+
+def collect(base: Path) -> tuple[Path, list[Outcome]]:
+    """Write a study's table from the records of its points; return its file, and how each ended."""
+    study, ends = gathered(base)
+    rows = [row(point["varied"], end) for point, end in zip(study["points"], ends, strict=True)]
     heads = columns(study["points"][0]["varied"])
     write_table(base / TABLE, heads, rows)
     write_parquet((base / TABLE).with_suffix(".parquet"), heads, rows)

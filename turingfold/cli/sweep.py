@@ -23,10 +23,10 @@ from .case import Case, find_case, folder_name
 from .design import Design, points
 from .figure import save_figure
 from .plan import base_folder, has_result
-from .point import RECORD, Maker, Point
+from .point import RECORD, Maker, Point, is_taken
 from .request import Interrupted, Request, Running
 from .run import finished
-from .status import Outcome, say
+from .status import STATUSES, Outcome, complain, say
 from .study import STUDY, TABLE, Rows, described, ended, read_study, write_study
 from .study import collect as collected
 from .workers import run_jobs
@@ -34,6 +34,7 @@ from .workers import run_jobs
 SIDE_BY_SIDE = 4  # pictures in a row
 PAGE = 48  # pictures in a figure
 PICTURED = 192  # points; of more, nobody looks at every one
+COMPLAINTS = 5  # points of which it is said what went wrong; the table says it of all
 RECORD_SIZE = 3e3  # bytes
 MB = 1e6
 
@@ -104,13 +105,12 @@ def _ended(plan: Sequence[Point], running: Running, *, again: bool) -> dict[str,
         return {}
     found = {}
     for one in plan:
-        taken = next((name for name in (RECORD, "scene.json") if (one.folder / name).exists()), "")
-        if taken and not again:
+        if not again and is_taken(one.folder):
             raise ValueError(
                 f"{one.folder} already holds a result; choose another folder (--out), go on with the study "
                 "(--resume) or replace what is there (--overwrite)."
             )
-        if taken == RECORD and (end := ended(one)):
+        if end := ended(one):
             found[one.name] = end
     return found
 
@@ -214,7 +214,11 @@ def _finish(
 ) -> int:
     """Say what came of the study and draw the points side by side; return the exit status."""
     base = base_folder(case, request)
-    status = finished(list(ends.values()), case, request)
+    said = [end for end in ends.values() if end.message]
+    finished(said[:COMPLAINTS], case, request)
+    if len(said) > COMPLAINTS:
+        complain(f"{len(said) - COMPLAINTS} more points have a message; the table has them all.")
+    status = max(STATUSES[end.status] for end in ends.values())
     _tell(ends.values(), base / _table(asked.task))
     if asked.task:
         say(f"when all tasks have ended: turingfold collect {base}")

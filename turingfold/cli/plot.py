@@ -1,0 +1,60 @@
+"""turingfold plot: the points of a study as a phase diagram, scattered, or as bands of percentiles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..models.declared import nearest
+from ..studies.diagram import Values, bands, phase_diagram, values_of
+from .figure import save_figure
+from .status import Outcome, say
+from .study import gathered, headings
+
+MEASURES = ("folds", "gyrification_index", "sulcal_depth")  # of bands, where none is asked for
+FILE = "plot.png"
+
+
+def plot(base: Path, x: str, y: str | None, colour: str | None, figure: Path | None) -> int:
+    """Draw a study: colour over x and y; with x alone, the percentiles of colour, or of three measures.
+
+    Raises ValueError for a folder without a study, for unknown columns, and where no point has a value.
+    """
+    study, ends = gathered(base)
+    known = headings(study)
+    measures = (colour,) if colour else ("folds",) if y else MEASURES
+    for name in (x, *([y] if y else []), *measures):
+        if name not in known:
+            close, every = nearest(name, known), ", ".join(known)
+            raise ValueError(f"the study has no column {name}{close}; it has: {every}.")
+    varied = [point["varied"] for point in study["points"]]
+
+    def column(name: str) -> Values:
+        return values_of(known[name], [_value(name, *both) for both in zip(varied, ends, strict=True)])
+
+    file = figure or base / FILE
+    with save_figure(file) as picture:
+        panels = picture.subplots(1, 1 if y else len(measures), squeeze=False)[0]
+        picture.set_size_inches(5.6 * len(panels), 4.2)
+        if y:
+            phase_diagram(panels[0], column(x), column(y), column(measures[0]))
+        else:
+            for axes, measure in zip(panels, measures, strict=True):
+                bands(axes, column(x), column(measure))
+            panels[0].legend(fontsize=8)
+        picture.suptitle(f"{study['case']}: {_counted(ends)}", fontsize=10)
+    say(f"figure: {file}")
+    return 0
+
+
+def _value(name: str, varied: dict[str, Any], end: Outcome) -> Any:
+    """Return the value of a point; a measure of one that did not come to a valid end is none."""
+    if name in varied:
+        return varied[name]
+    return end.summary.get(name) if end.status == "converged" else None
+
+
+def _counted(ends: Sequence[Outcome]) -> str:
+    kinds = [end.status for end in ends]
+    return f"{len(kinds)} points, " + ", ".join(f"{kinds.count(one)} {one}" for one in dict.fromkeys(kinds))
