@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..solve.equilibrium import Memory
 from ..solve.march import Progress
-from ..solve.newton import Memory
 from ..solve.prediction import Past
 from ..state import State
 from .codec import Arrays

@@ -23,7 +23,8 @@ from ..parts import TimeStep
 from ..scene import Scene
 from ..state import State
 from ..stepping import Stepping
-from .newton import Memory, Minimiser
+from .equilibrium import Memory
+from .newton import Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 from .problem import Configuration, Problem, configuration
 from .step_control import longest_next

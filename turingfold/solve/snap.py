@@ -24,7 +24,8 @@ from ..parts import Potential
 from ..scene import Scene, stress_scale
 from ..terms.dynamics import mass
 from ..terms.quadratic_energy import Quadratic, SymmetricMatrix
-from .newton import Equilibrium, Minimiser
+from .equilibrium import Equilibrium
+from .newton import Minimiser
 
 FIRST, STIFFEST, LEAST = 1.0, 1e6, 1e-9  # viscosities, in units of the largest shear modulus over T²
 STEPS = 300
