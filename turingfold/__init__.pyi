@@ -67,6 +67,7 @@ from .morphometry.similarity import similarity_null as similarity_null
 from .morphometry.walls import mirror_error as mirror_error
 from .morphometry.walls import self_intersections as self_intersections
 from .morphometry.walls import wall_contact_length as wall_contact_length
+from .outlines.any_file import read_section as read_section
 from .outlines.build import RefinementDisc as RefinementDisc
 from .outlines.build import outline as outline
 from .outlines.mask import mask_outline as mask_outline

@@ -6,6 +6,7 @@ from .grids import grid as grid
 from .grids import layers as layers
 from .grids import nearest_step as nearest_step
 from .grids import numbers as numbers
+from .grids import tissue as tissue
 from .sections import activator as activator
 from .sections import areas as areas
 from .sections import field_limits as field_limits

@@ -10,7 +10,8 @@ import numpy as np
 from ..arrays import Array, add_up
 from ..geometry.body import Body
 from ..results.result import Result, along_pial, pial_closed
-from .style import PARTS, sulci
+from .sections import scale_bar
+from .style import MM, PARTS, copies, edge, frame, sulci
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,6 +41,20 @@ def layers(axes: Axes, result: Result, step: int = -1) -> None:
     axes.plot(*pial, color=INK, linewidth=0.8)
     axes.set_aspect("equal")
     axes.set_axis_off()
+
+
+def tissue(axes: Axes, body: Body) -> None:
+    """Draw the undeformed body, gray matter dark and white matter light, in mm, with a scale bar."""
+    from matplotlib.colors import ListedColormap
+
+    shades = ListedColormap([WHITE, GRAY])
+    corners, gray = body.mesh.t.T, body.in_cortex.astype(float)
+    for points in copies(body, body.nodes):
+        x, y = MM * points[:, : body.mesh.nvertices]
+        axes.tripcolor(x, y, corners, facecolors=gray, cmap=shades, vmin=0.0, vmax=1.0, rasterized=True)
+        edge(axes, points, body)
+    frame(axes)
+    scale_bar(axes, body)
 
 
 def before(axes: Axes, result: Result) -> None:

@@ -55,6 +55,19 @@ LocalError = Annotated[float, Parameter("T", 1e-5, 1, "largest error of a step, 
 Damping = Annotated[float, Parameter("s", 0, 10, "damping stress over the rate of elastic stress")]
 Density = Annotated[float, Parameter("kg/m³", 1, 2e4, "density")]
 Pace = Annotated[float, Parameter("", 1e-3, 1e6, "time of the kinetics in the time of growth")]
+
+# sections from files
+File = Annotated[str, Parameter(label="file with the section's outline")]
+WhiteSurface = Annotated[str, Parameter(label="white surface: a file, a name in the drawing, or labels")]
+Holes = Annotated[str, Parameter(label="ventricles: a file, a name in the drawing, or labels")]
+GrayLabels = Annotated[str, Parameter(label="labels of gray matter in an image")]
+Unit = Annotated[str, Parameter(label="unit of the file's numbers, or a pixel's edge in m")]
+Plane = Annotated[str, Parameter(label="plane of the section", choices=("coronal", "sagittal", "axial"))]
+At = Annotated[float | None, Parameter("m", -0.3, 0.3, "where the plane cuts surfaces and volumes")]
+SectionWidth = Annotated[float | None, Parameter("m", 1e-3, 0.3, "width of the section, left to right")]
+Smooth = Annotated[float, Parameter("m", 0, 0.02, "details of the outline below this go")]
+OutOfPlane = Annotated[str, Parameter(label="growth across the plane", choices=("fixed", "tangential"))]
+
 WeekCurve = Annotated[str, Parameter(label="share of growth by week", choices=("wang", "gompertz"))]
 Samples = Annotated[int, Parameter("", 1, 10_000, "samples of what is uncertain")]
 Seed = Annotated[int, Parameter("", 0, 2**31, "seed of what is random")]

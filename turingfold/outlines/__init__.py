@@ -1,5 +1,6 @@
 """Bodies from measured outlines: read, repair, offset, mesh."""
 
+from .any_file import read_section as read_section
 from .build import RefinementDisc as RefinementDisc
 from .build import outline as outline
 from .mask import mask_outline as mask_outline

@@ -61,7 +61,7 @@ function knob(one) {
     const box = make("input", {type: "checkbox", id, checked: valueOf(one), onchange: () => { change(one, box.checked); mark(); }});
     row.append(make("label", {className: "switch"}, box, label));
   } else if (one.kind === "str") {
-    const menu = make("select", {id, onchange: () => { change(one, menu.value); mark(); }}, ...one.choices.map(word => make("option", {value: word, textContent: word})));
+    const menu = make(one.choices.length ? "select" : "input", {id, onchange: () => { change(one, menu.value); mark(); }}, ...one.choices.map(word => make("option", {value: word, textContent: word})));
     menu.value = valueOf(one);
     row.classList.add("word");
     row.append(label, menu);
