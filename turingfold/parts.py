@@ -183,10 +183,14 @@ class Potential(ABC):
 
 @dataclass(frozen=True)
 class TimeStep:
-    """A step in time: its length, and the share of it after which forces balance, 1 (end) or 1/2 (middle)."""
+    """A step in time: its length, and the share of it after which forces balance, 1 (end) or 1/2 (middle).
+
+    over: whether the state is that at the step's end, to be seen as it was found, and not the one before.
+    """
 
     length: float
     balance: float = 1.0
+    over: bool = False
 
     @property
     def span(self) -> float:
@@ -211,7 +215,7 @@ class Operator(ABC):
         """Return the potential of a step, or None if the term does nothing in it.
 
         state: has the time at which forces balance and the fields of the processes at that time; displacement
-        and what terms have written are those before the step.
+        and what terms have written are those before the step, or, if that is over, at its end.
         """
 
 

@@ -46,8 +46,10 @@ def solved_again(result, parameter, value):
     changed = with_value(result.scene, parameter, value)
     problem, old = Problem(changed), result.last
     state = problem.processed(problem.start(), old.time).updated(displacement=old["displacement"])
+    state = state.updated(contact_chords=old["contact_chords"])
     minimiser = Minimiser(problem.n_dofs, problem.held, 1e-11, 60)
-    found = minimiser.minimise(problem.potentials(state, TimeStep(old.time)), by_node(old["displacement"]))
+    potentials = problem.potentials(state, TimeStep(old.time, over=True))
+    found = minimiser.minimise(potentials, by_node(old["displacement"]))
     return found.x, found.energy
 
 
@@ -63,14 +65,9 @@ def moved_by(result, length):
     return replace(result, states=(*result.states[:-1], shifted))
 
 
-def test_a_state_beside_its_equilibrium_has_the_derivatives_of_the_equilibrium(result, found):
-    beside = sensitivity(moved_by(result, 1e-5 * result.scene.body.thickness), to=PARAMETERS)
-    np.testing.assert_allclose(beside.derivatives, found.derivatives, rtol=1e-4)
-
-
-def test_a_state_far_from_its_equilibrium_is_refused(result):
-    with pytest.raises(NotConvergedError, match="thicknesses of the cortex away"):
-        sensitivity(moved_by(result, 0.1 * result.scene.body.thickness), to=PARAMETERS[:1])
+def test_a_state_beside_its_equilibrium_is_refused(result):
+    with pytest.raises(NotConvergedError, match="is no equilibrium"):
+        sensitivity(moved_by(result, 1e-4 * result.scene.body.thickness), to=PARAMETERS[:1])
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS)

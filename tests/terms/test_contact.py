@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 from skfem import MeshTri1
 
-from turingfold.geometry.body import Body
+from turingfold.geometry.body import Body, by_node
 from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle
 from turingfold.growth.laws import TangentialGrowth
@@ -19,6 +19,7 @@ from turingfold.outlines import outline
 from turingfold.parts import TimeStep
 from turingfold.scene import Scene
 from turingfold.solve.march import begin, march
+from turingfold.solve.problem import Problem, configuration
 from turingfold.state import State
 from turingfold.stepping import Stepping
 from turingfold.terms.contact import SelfContact
@@ -445,3 +446,14 @@ def test_a_skull_around_a_closed_surface_is_closed():
         SelfContact(skull=around[:, :-1]).on(disc)
     with pytest.raises(ValueError, match="does not go round"):
         SelfContact(skull=around * 0.5).on(disc)
+
+
+def test_a_state_is_an_equilibrium_as_it_was_found(folded):
+    problem = Problem(folded.scene)
+    free = np.setdiff1d(np.arange(problem.n_dofs), problem.held)
+    for state, row in zip(folded.states[1:], folded.history, strict=True):
+        step = TimeStep(row["step"], over=True)
+        at = configuration(problem.potentials(state, step), by_node(state["displacement"]))
+        assert at.forces(free)[1] == pytest.approx(row["residual"], rel=0.1, abs=1e-11)
+        assert at.energy == pytest.approx(row["energy"], rel=1e-12)
+    assert row["min_gap"] < 1e-4, "walls are to touch"

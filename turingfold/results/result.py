@@ -273,7 +273,7 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
 
 def observe(problem: Problem, state: State, dt: float) -> dict[str, Array]:
     """Return the fields that terms show of a state, each (q, e); dt is the step that led to it."""
-    at = configuration(problem.potentials(state, TimeStep(dt)), by_node(state["displacement"]))
+    at = configuration(problem.potentials(state, TimeStep(dt, over=True)), by_node(state["displacement"]))
     return {} if at is None else observed(at)
 
 

@@ -20,7 +20,7 @@ from ..arrays import Array, Integers
 from ..checks import finite_array, positive
 from ..geometry.body import Body, by_node
 from ..geometry.quadratic import bend
-from ..parts import Entries, Evaluation, Hessian, Operator, Potential, Term, TimeStep
+from ..parts import Entries, Evaluation, Fields, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
 from .boundary import boundary_edges, counts, stays_straight, tissue_left
 from .creases import creases
@@ -32,7 +32,8 @@ BEND = 0.1  # of its length: how far a boundary edge may bend before its chords 
 APART = 0.05  # of dhat, which chords always keep between them
 SOON = 3.0  # shortest distances between nodes: edges this close get places in the matrix
 FEWEST, MOST = 4, 32  # chords of an edge
-MISSED = 1.  # times what chords keep apart: they miss a bent edge by no more before it is made of more
+MISSED = 1.0  # times what chords keep apart: they miss a bent edge by no more before it is made of more
+CHORDS = "contact_chords"  # of each edge, as a state was found, (1, m)
 MEETINGS = {
     "body": ("itself", "outlines that keep their distance"),
     "base": ("the line on which its base continues", "base_line=False"),
@@ -76,6 +77,16 @@ class SelfContact(Term):
     def reads(self) -> tuple[str, ...]:
         """The scale of stress."""
         return ("stress_scale",)
+
+    @property
+    def optional(self) -> tuple[str, ...]:
+        """Of how many chords edges were made."""
+        return (CHORDS,)
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Of how many chords edges were made, so that a state can be seen as it was found."""
+        return (CHORDS,)
 
     def on(self, body: Body) -> ContactOperator:
         """Return the term discretised on `body`."""
@@ -152,17 +163,18 @@ class ContactOperator(Operator):
 
     def during(self, state: State, step: TimeStep) -> ContactPotential:
         """Return the barrier; edges that bend far are made of more chords than at rest."""
+        scale = float(state["stress_scale"]) * self.unit**2
         points = self.moved(by_node(state["displacement"]))
+        seen = step.over and CHORDS in state
         bends = np.hypot(*bend(points[self.edges].transpose(0, 2, 1)))
-        numbers = np.maximum(self.counts, self._counts(bends, MISSED))
-        if (numbers > self.counts).any():
-            finer = self._walls(numbers)
-            # where those are too close to each other to begin with, the coarser ones go on
-            if not finer.collisions(finer.positions(points), 1e-3 * self.dhat).empty():
-                finer = self.walls
-        else:
-            finer = self.walls
-        return ContactPotential(self, finer, float(state["stress_scale"]) * self.unit**2)
+        needed = state[CHORDS][0].astype(np.int64) if seen else self._counts(bends, MISSED)
+        numbers = np.maximum(self.counts, needed)
+        if (numbers == self.counts).all():
+            return ContactPotential(self, self.walls, scale)
+        finer = self._walls(numbers)
+        # where those are too close to each other to begin with, the coarser ones go on
+        usable = seen or finer.collisions(finer.positions(points), 1e-3 * self.dhat).empty()
+        return ContactPotential(self, finer if usable else self.walls, scale)
 
 
 @dataclass(frozen=True)
@@ -236,6 +248,10 @@ class ContactEvaluation(Evaluation):
             return 0.0  # ipctk would answer that nothing is in the way
         bounds = [barrier.largest_step(self.points, end) for barrier in self.operator.barriers]
         return min(self.walls.largest_step(self.positions, self.walls.positions(end)), *bounds)
+
+    def finish(self, wanted: frozenset[str]) -> Fields:
+        """Return of how many chords each edge is made, (1, m)."""
+        return {CHORDS: self.walls.counts[None].astype(float)}
 
     def measure(self) -> dict[str, float]:
         """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""

@@ -26,7 +26,7 @@ class Walls:
     def __init__(
         self, edges: Integers, counts: Integers, rest: Array, moving: int, apart: float, near: float
     ) -> None:
-        self.edges, self.apart = edges, apart
+        self.edges, self.counts, self.apart = edges, counts, apart
         self.chords = chords(edges, counts, moving, len(rest))
         at_rest = self.positions(rest)
         self.mesh = ipctk.CollisionMesh(at_rest, np.asfortranarray(self.chords.pieces.astype(np.int32)))
