@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from fences import fences
 
-from turingfold.cli.case import load_case, find_case
+from turingfold.cli.case import find_case
 from turingfold.cli.main import main
 from turingfold.cli.parser import parser
 
@@ -16,6 +16,7 @@ SIZED = ("run", "sweep", "accuracy", "sensitivity", "buckling")  # commands with
 SHOWN = ("app", "verify")  # they serve for ever, or take long: only their words are checked
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", sorted(PAGES.glob("*.md")), ids=lambda page: page.stem)
 def test_a_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -45,7 +46,7 @@ def test_the_defaults_of_figure_3():
     text = (PAGES / "model.md").read_text(encoding="utf-8")
     table = text.partition("## 10.")[2].partition("## 11.")[0]
     said = dict(re.findall(r"^\| `(\w+)` \| (\S+) \|", table, re.MULTILINE))
-    case = load_case(find_case("figure3").path)
+    case = find_case("figure3")
     assert list(said) == list(case.parameters)
     for name, parameter in case.parameters.items():
         default = parameter.default

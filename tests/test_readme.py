@@ -1,14 +1,14 @@
 """The README's Python runs, and type checkers understand it."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from fences import fences
 
 README = Path(__file__).parents[1] / "README.md"
-BLOCKS = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+BLOCKS = [fence.text for fence in fences(README) if fence.language == "python"]
 
 
 @pytest.fixture
