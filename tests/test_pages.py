@@ -1,4 +1,4 @@
-"""What the pages say runs: their Python, the files they show, and their commands; and their tables are true."""
+"""What the pages say runs: their Python, the files they show, their commands; and their tables are true."""
 
 import re
 import shlex
