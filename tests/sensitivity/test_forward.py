@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import eigsh
 from small import folding_scene
 
 from turingfold import (
@@ -19,9 +20,10 @@ from turingfold import (
 )
 from turingfold.geometry.body import by_node
 from turingfold.parts import TimeStep
-from turingfold.sensitivity.forward import perimeter
+from turingfold.sensitivity.forward import Tangent, perimeter
+from turingfold.solve.inertia import symmetric
 from turingfold.solve.newton import Minimiser
-from turingfold.solve.problem import Problem
+from turingfold.solve.problem import Problem, configuration
 from turingfold.studies.sweep import value_of, with_value
 
 PARAMETERS = (
@@ -68,6 +70,26 @@ def moved_by(result, length):
 def test_a_state_beside_its_equilibrium_is_refused(result):
     with pytest.raises(NotConvergedError, match="is no equilibrium"):
         sensitivity(moved_by(result, 1e-4 * result.scene.body.thickness), to=PARAMETERS[:1])
+
+
+@pytest.mark.parametrize("parameter", ["TangentialGrowth.cortex", "Elastic.gray.mu", "TangentialGrowth.core"])
+def test_within_its_range_the_linear_answer_misses_a_tenth(result, found, parameter):
+    k, value = PARAMETERS.index(parameter), value_of(result.scene, parameter)
+    change = found.ranges[k] * value
+    x, _ = solved_again(result, parameter, value + change)
+    expected = (x - by_node(result.last["displacement"])).reshape(-1, 2).T
+    missed = np.linalg.norm(change * found.displacement[k] - expected) / np.linalg.norm(expected)
+    assert 0.1 / 3 < missed < 0.3  # 0.045 where walls meet; a factor of two would not do
+
+
+def test_the_lowest_eigenvalue_is_that_of_lanczos(result, found):
+    problem, last = Problem(result.scene), TimeStep(1.0, over=True)
+    at = configuration(problem.potentials(result.last, last), by_node(result.last["displacement"]))
+    tangent = Tangent(problem, at)
+    matrix = symmetric(tangent.sparsity, tangent.values)
+    (expected,) = eigsh(matrix.tocsc(), k=1, sigma=0.0, return_eigenvectors=False)
+    assert tangent.lowest == pytest.approx(expected, rel=0.01)
+    assert 0 < found.stability < 1
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 TABLE = "sensitivity.csv"
 COLUMNS = (
     "scene", "measure", "number", "parameter", "value", "derivative", "per_cent_per_per_cent", "force_error",
+    "good_for",
 )  # fmt: skip
 ROUGH = 1e-2  # relative error of a derivative of forces that is told
 
@@ -120,5 +121,5 @@ def _rows(name: str, one: Sensitivity) -> Iterator[tuple[Any, ...]]:
         for k, parameter in enumerate(one.parameters):
             yield (
                 name, measure, one.numbers[i], parameter, one.values[k], one.derivatives[i, k],
-                one.relative[i, k], one.errors[k],
+                one.relative[i, k], one.errors[k], one.ranges[k],
             )  # fmt: skip

@@ -26,6 +26,7 @@ from ..solve.problem import Configuration, Problem, configuration
 from ..solve.sparsity import Assembler
 from ..state import State
 from .parameters import Change, change, check_path, number_of
+from .validity import MISSED, lowest_eigenvalue, range_of
 
 Measure = Callable[[Array], float]
 ENERGY = "energy"
@@ -38,6 +39,8 @@ class Sensitivity:
     parameters, values: what they are with respect to, p of them.  measures, numbers: what of, m of them.
     derivatives: (m, p).  displacement: dx/dp, (p, 2, n_nodes); m per unit of the parameter.
     errors: of ∂g/∂p, relative, (p,).  negative_pivots: of the tangent; 0 at a minimum.
+    ranges: by what share of itself each parameter may change until dx/dp misses a tenth of the displacement,
+    (p,), at most 1.  stability: lowest eigenvalue of the tangent over that at the scene's start; 0: a snap.
     """
 
     parameters: tuple[str, ...]
@@ -48,6 +51,8 @@ class Sensitivity:
     displacement: Array
     errors: Array
     negative_pivots: int
+    ranges: Array
+    stability: float
 
     def of(self, measure: str, parameter: str) -> float:
         """Return one derivative."""
@@ -67,9 +72,14 @@ class Sensitivity:
         """Return the table: one per cent more of a parameter changes a measure by so many per cent."""
         width = max(len(name) for name in self.parameters)
         head = " ".join(f"{name:>20}" for name in self.measures)
-        lines = [f"{'1 % more of':<{width}} {head}"]
-        for name, row in zip(self.parameters, self.relative.T, strict=True):
-            lines.append(f"{name:<{width}} " + " ".join(f"{value:>+18.3f} %" for value in row))
+        lines = [f"{'1 % more of':<{width}} {head} {'good for':>12}"]
+        for name, row, reach in zip(self.parameters, self.relative.T, self.ranges, strict=True):
+            numbers = " ".join(f"{value:>+18.3f} %" for value in row)
+            lines.append(f"{name:<{width}} {numbers} {f'±{100 * reach:.2g} %':>12}")
+        lines.append(
+            f"good for: changes of the parameter within which the linear answer errs by up to {MISSED:.0%}\n"
+            f"the lowest eigenvalue of the tangent is {self.stability:.2g} times that of the start (0: snap)"
+        )
         return "\n".join(lines)
 
 
@@ -107,6 +117,11 @@ def sensitivity(
         derivatives=np.array(rows).reshape(len(measures), len(to)),
         displacement=moves.reshape(len(to), -1, 2).swapaxes(1, 2),
         errors=np.array([found.error for found in changes]), negative_pivots=tangent.factors.negative,
+        ranges=np.array([
+            range_of(scene, state, move, name, last, tangent.factors)
+            for name, move in zip(to, moves, strict=True)
+        ]),
+        stability=tangent.lowest / Tangent(problem, _first(problem)).lowest,
     )  # fmt: skip
 
 
@@ -125,6 +140,15 @@ def _balanced(problem: Problem, state: State, last: TimeStep, x: Array) -> Confi
     return at
 
 
+def _first(problem: Problem) -> Configuration:
+    """Return the configuration that the scene starts from."""
+    start, length = problem.start(), problem.scene.stepping.first * problem.scene.until
+    at = configuration(problem.potentials(start, TimeStep(length)), by_node(start["displacement"]))
+    if at is None:
+        raise NotConvergedError("the scene's start is not admissible", time=0.0)
+    return at
+
+
 class Tangent:
     """The factorised tangent of an equilibrium."""
 
@@ -132,6 +156,11 @@ class Tangent:
         self.assembler = Assembler(problem.n_dofs, problem.held)
         self.sparsity, self.values = self.assembler.assemble(at.hessians(0.0))
         self.factors: Factors = Indefinite(self.sparsity).factorize(self.values)
+
+    @property
+    def lowest(self) -> float:
+        """The eigenvalue nearest to zero."""
+        return lowest_eigenvalue(self.factors, len(self.assembler.free))
 
     def solve(self, gradient: Array) -> Array:
         """Return K⁻¹ of forces, (2 n_nodes,), refined once as the pivots are not chosen."""

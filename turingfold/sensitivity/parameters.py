@@ -113,10 +113,7 @@ def _difference(
 
 def _forces(scene: Scene, changed: Scene, state: State, x: Array, step: TimeStep) -> Array:
     """Return the forces and the energy of the parts that a change reaches, (2 n_nodes + 1,)."""
-    fields = _fields(scene, changed, state)
-    scale = stress_scale(changed.terms)
-    if scale != stress_scale(scene.terms):  # the unit of stress is that of the stiffest layer
-        fields["stress_scale"] = np.array(scale)
+    fields = fields_of(scene, changed, state)
     now = state.updated(**fields)
     total = np.zeros(len(x) + 1)
     for old, new in zip(scene.terms, changed.terms, strict=True):
@@ -130,8 +127,16 @@ def _forces(scene: Scene, changed: Scene, state: State, x: Array, step: TimeStep
     return total
 
 
-def _fields(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:
-    """Return the fields that the processes of the changed scene make otherwise at the state's time."""
+def fields_of(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:
+    """Return the fields that are otherwise in the changed scene at the state's time."""
+    fields, scale = _processed(scene, changed, state), stress_scale(changed.terms)
+    if scale != stress_scale(scene.terms):  # the unit of stress is that of the stiffest layer
+        fields["stress_scale"] = np.array(scale)
+    return fields
+
+
+def _processed(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:
+    """Return the fields that the processes of the changed scene make otherwise."""
     reached: list[Process] = []
     names: set[str] = set()
     for old, new in zip(scene.processes, changed.processes, strict=True):

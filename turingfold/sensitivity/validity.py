@@ -1,0 +1,80 @@
+"""How far derivatives at an equilibrium can be trusted: to the next instability, and for what changes.
+
+An equilibrium is lost where the lowest eigenvalue of its tangent reaches zero. Before that, with p + δ the
+body at x + δ dx/dp misses the new equilibrium by about K⁻¹ g(x + δ dx/dp, p + δ), which grows with δ².
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from ..geometry.body import by_node
+from ..parts import TimeStep
+from ..scene import Scene
+from ..solve.inertia import Factors
+from ..solve.problem import Problem, configuration
+from ..solve.sparsity import Assembler
+from ..state import State
+from ..studies.sweep import with_value
+from .parameters import fields_of, number_of
+
+MISSED = 0.1  # share of a displacement that the linear answer may miss
+SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
+TRIALS, LONGEST = 6, 2.0  # at most; and by how much the later ones may go farther each
+POWERS = 40  # of the inverse: the lowest eigenvalue is then known to a few per cent
+ALIKE = 1e-3  # relative change of it at which they end
+
+
+def lowest_eigenvalue(factors: Factors, n: int) -> float:
+    """Return the eigenvalue nearest to zero of a factorised symmetric matrix, by powers of its inverse."""
+    v, found = np.random.default_rng(0).standard_normal(n), float("inf")
+    for _ in range(POWERS):
+        v /= np.linalg.norm(v)
+        solved = factors.solve(v)
+        before, found, v = found, 1.0 / float(solved @ v), solved
+        if abs(found - before) < ALIKE * abs(found):
+            break
+    return found
+
+
+def range_of(
+    scene: Scene, state: State, move: Array, parameter: str, step: TimeStep, factors: Factors
+) -> float:
+    """Return by what share of itself a parameter may change until the linear answer misses MISSED.
+
+    Of the displacement, in its nodes' norm; first by the second order, from a small trial, then by trials at
+    the range itself, where walls may have met. move: dx/dp, (2 n_nodes,).  Infinite where nothing moves.
+    """
+    value, largest = number_of(scene, parameter), float(np.abs(move).max())
+    if not largest > 0 or not value:
+        return float("inf")
+    change = SMALL * scene.body.thickness / largest
+    for trial in range(TRIALS):
+        share = _missed(scene, state, change, move, parameter, step, factors)
+        if share is None:
+            change *= 0.5
+        elif trial and 0.8 * MISSED < share < 1.25 * MISSED:
+            break
+        else:
+            change *= min(MISSED / max(share, 1e-300), LONGEST if trial else np.inf)
+            change = min(change, abs(value))  # more than as much again is no small change
+    return abs(change / value)
+
+
+def _missed(
+    scene: Scene, state: State, change: float, move: Array, parameter: str, step: TimeStep, factors: Factors
+) -> float | None:
+    """Return the share of a displacement that the linear answer misses; None for what is not admissible."""
+    try:
+        changed = with_value(scene, parameter, number_of(scene, parameter) + change)
+    except ValueError:
+        return None
+    problem, x = Problem(changed), by_node(state["displacement"])
+    now = state.updated(**fields_of(scene, changed, state))
+    at = configuration(problem.potentials(now, step), x + change * move)
+    if at is None:
+        return None
+    free = Assembler(problem.n_dofs, problem.held).free
+    missed = factors.solve(at.forces(free)[0])
+    return float(np.linalg.norm(missed) / np.linalg.norm(change * move[free]))
