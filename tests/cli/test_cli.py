@@ -331,21 +331,39 @@ def test_a_missing_case_is_status_2(capsys):
     assert "no case file nowhere.py" in capsys.readouterr().err
 
 
-def test_list_names_cases_and_scenes(written, tmp_path, capsys):
+def test_list_names_cases_and_runs_those_that_are_named(written, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "50")
     written(TWO)
-    assert main(["list", str(tmp_path)]) == 0
+    assert main(["list", str(tmp_path / "tiny.py")]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].endswith("tiny.py: A patch of cortex that grows. Less than a second.")
-    assert [line.strip() for line in lines[1:]] == ["first one", "second one"]
+    assert lines[-3:] == ["  scenes:", "    first one", "    second one"]
     (tmp_path / "broken.py").write_text("def scenes(quick=False):\n    return 3")
     (tmp_path / "other.py").write_text("raise ValueError('this is no case, and must not be run')")
-    assert main(["list", str(tmp_path)]) == 2
+    assert main(["list", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "tiny.py: A patch of cortex that grows. Less than a second." in " ".join(out.split())
+    assert max(map(len, out.splitlines())) <= max(50, len(str(tmp_path)) + 20)
+    assert "other.py" not in out
+    assert main(["list", "broken", "tiny"]) == 2
     out, err = capsys.readouterr()
-    assert "tiny.py: A patch" in out
-    assert "broken.py" in err
-    assert "other.py" not in err
+    assert "broken.py: scenes() must return a dict" in " ".join(err.split())
+    assert "second one" in out
+    (tmp_path / "worse.py").write_text("def scenes(:")
+    assert main(["list"]) == 2
+    assert "worse.py, line 1: SyntaxError" in " ".join(capsys.readouterr().err.split())
     (tmp_path / "empty").mkdir()
     assert main(["list", str(tmp_path / "empty")]) == 2
+
+
+def test_a_list_imports_nothing_heavy_and_fits_the_terminal(capsys, monkeypatch):
+    words = "import sys; from turingfold.cli.main import main; main(['list']); print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "False"
+    monkeypatch.setenv("COLUMNS", "80")
+    assert main(["list", "figure3"]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+    assert max(map(len, lines)) <= 80
+    assert any(line.startswith(31 * " " + "| BVAM") for line in lines)  # kinetics go on below each other
 
 
 def test_stability_prints_the_conditions(capsys):

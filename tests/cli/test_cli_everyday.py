@@ -15,7 +15,8 @@ from test_cli import DIES, GROWS, TWO, unwrapped, written  # noqa: F401  (a fixt
 from test_cli_parameters import CASE
 
 from turingfold import load
-from turingfold.cli.case import SHIPPED, check_apart, folder_name, shipped
+from turingfold.cli.case import check_apart, folder_name
+from turingfold.cli.files import SHIPPED, shipped
 from turingfold.cli.main import main
 from turingfold.figures import grid
 
@@ -70,6 +71,7 @@ def test_a_copy_of_a_case_runs_under_its_own_name(tmp_path, monkeypatch, capsys)
 
 
 def test_a_case_without_its_files_is_listed_all_the_same(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "999")
     monkeypatch.setenv("FERRET_OUTLINES", str(tmp_path / "nowhere"))
     assert main(["list", "ferret_outlines"]) == 0  # as in a fresh clone
     out = capsys.readouterr().out

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..models.declared import values_of
-from .case import Case, find_case, load_case, shipped
+from .case import Case, find_case, load_case
+from .files import shipped
 from .status import complain, say
 
 if TYPE_CHECKING:

@@ -20,6 +20,7 @@ from ..errors import SolveError
 from ..models.declared import Declared, declared, nearest, values_of
 from ..results.result import Result
 from ..scene import Scene
+from .files import shipped, title
 
 # what a mistake in a case raises, apart from ValueError, which already says what is wrong; SystemExit would
 # end the program as if all had been done
@@ -31,9 +32,6 @@ EXPECTED = (
     "a case has a docstring and two functions: scenes(quick=False, *, ...), which returns a dict of names "
     "and Scenes, and draw(results, figure), which draws the Results of the same names on a matplotlib figure"
 )
-PACKAGE = Path(__file__).parents[1]
-# cases that come with the package: inside it where it is installed, beside it in a checkout
-SHIPPED = next((folder for folder in (PACKAGE / "cases", PACKAGE.parent / "cases") if folder.is_dir()), None)
 RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)  # names of devices on Windows
 LONGEST = 150  # letters of a folder's name
 
@@ -53,7 +51,7 @@ class Case:
     @property
     def title(self) -> str:
         """First paragraph of its docstring, as one line."""
-        return " ".join((self.module.__doc__ or "").strip().partition("\n\n")[0].split())
+        return title(self.module.__doc__)
 
     @property
     def known(self) -> tuple[Any, ...]:
@@ -123,17 +121,6 @@ def find_case(given: str) -> Case:
         there = f"{', '.join(known)} come with the package" if known else "none come with the package"
         raise ValueError(f"there is {what}{nearest(given, known)}; {there}, others are files.")
     return load_case(path)
-
-
-def shipped() -> dict[str, Path]:
-    """Return the files of the cases that come with the package, by name."""
-    return {path.stem: path for path in case_files(SHIPPED)} if SHIPPED else {}
-
-
-def case_files(folder: Path) -> list[Path]:
-    """Return the Python files of a folder that have scenes; none is run for that."""
-    marked = re.compile(rb"^def scenes\(", re.MULTILINE)
-    return [file for file in sorted(folder.glob("*.py")) if marked.search(file.read_bytes())]
 
 
 def parts_of(module: ModuleType) -> tuple[Any, ...]:

@@ -2,69 +2,97 @@
 
 from __future__ import annotations
 
-import warnings
+import shutil
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..models.declared import as_text
-from ..results.files import write_whole
-from ..results.simulate import CoarseMeshWarning
-from .case import Case, case_files, find_case, load_case, shipped
-from .status import BAD_INPUT, complain, say
+from .files import case_files, shipped, title_of
+from .status import BAD_INPUT, WIDTH, complain, say
+
+if TYPE_CHECKING:
+    from .case import Case
+
+NARROWEST = 40  # letters of a line
 
 
 def listing(given: Sequence[str]) -> int:
-    """Print cases with their scenes, those that are named with their parameters; return the exit status.
+    """Print titles of cases, of those that are named also parameters and scenes; return the exit status.
 
     given: names, files, or folders; without any the cases of the package and of the current folder. What a
     case needs and does not find is said and no failure; a mistake in a case is, after all others are listed.
     """
-    named = [path for text in given for path in _named(text)]
-    files = {str(path): path for path in named or case_files(Path())}
     if not given:
-        files = shipped() | files
-    status = 0
-    for name, path in files.items():
-        try:
-            case = load_case(path)
-            say(f"{name}: {case.title}")
-            if given:
-                _say_parameters(case)
-            _say_scenes(case)
-        except ValueError as error:  # the other cases are listed all the same
-            complain(str(error))
-            status = BAD_INPUT
-    return status
+        files = shipped() | {str(path): path for path in case_files(Path())}
+        status = max((_tell(name, path) for name, path in files.items()), default=0)
+        say("\nturingfold list CASE: its parameters and scenes.  turingfold run CASE: run it.")
+        return status
+    return max(status for text in given for status in _listed(text))
 
 
-def _named(text: str) -> list[Path]:
-    if not Path(text).is_dir():
-        return [find_case(text).path]
-    if not (found := case_files(Path(text))):
-        raise ValueError(f"{text} holds no case files (*.py with a function scenes).")
-    return found
+def _listed(text: str) -> list[int]:
+    if Path(text).is_dir():
+        if not (found := case_files(Path(text))):
+            raise ValueError(f"{text} holds no case files (*.py with a function scenes).")
+        return [_tell(str(path), path) for path in found]
+    from .case import find_case
+
+    try:
+        case = find_case(text)
+        _say(f"{case.path}: {case.title}", indent=4)
+        _say_parameters(case)
+        _say_scenes(case)
+    except ValueError as error:  # the other cases are listed all the same
+        complain(str(error))
+        return [BAD_INPUT]
+    return [0]
+
+
+def _tell(name: str, file: Path) -> int:
+    """Print the title of a case, which is not run for that; return the exit status."""
+    try:
+        _say(f"{name}: {title_of(file)}", indent=4)
+    except ValueError as error:
+        complain(str(error))
+        return BAD_INPUT
+    return 0
+
+
+def _say(text: str, *, indent: int, first: str = "") -> None:
+    """Print a text in lines as wide as the terminal, further lines indented."""
+    width = max(shutil.get_terminal_size((WIDTH, 24)).columns, indent + NARROWEST)
+    options = {"subsequent_indent": indent * " ", "break_long_words": False, "break_on_hyphens": False}
+    say(textwrap.fill(text, width, initial_indent=first, **options))  # type: ignore[arg-type]
 
 
 def _say_scenes(case: Case) -> None:
+    import warnings
+
+    from ..results.simulate import CoarseMeshWarning
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", CoarseMeshWarning)  # of a case that runs some of its scenes
             names = list(case.scenes({}, quick=True))
     except FileNotFoundError as error:
-        say(f"    (needs a file that is not here: {error.strerror or error})")
+        _say(f"(needs a file that is not here: {error.strerror or error})", indent=4, first="    ")
         return
+    say("  scenes:")
     for name in names:
         say(f"    {name}")
 
 
 def _say_parameters(case: Case) -> None:
-    rows = [
-        (f"{name}={as_text(one.default)}", one.range, one.meaning.label)
+    from ..models.declared import as_text
+
+    rows = {
+        f"  --set {name}={as_text(one.default)}  ": (one.meaning.label, one.range)
         for name, one in case.parameters.items()
-    ]
-    widths = [max((len(row[k]) for row in rows), default=0) for k in (0, 1)]
-    for first, second, label in rows:
-        say(f"  --set {first:<{widths[0]}}  {second:<{widths[1]}}  {label}".rstrip())
+    }
+    width = max(map(len, rows), default=0)
+    for first, (label, values) in rows.items():
+        _say(f"{label} ({values})" if label else values, indent=width, first=first.ljust(width))
 
 
 def new_case(file: Path, source: str) -> str:
@@ -72,6 +100,9 @@ def new_case(file: Path, source: str) -> str:
 
     Raises ValueError for a file that is there, or is no .py.
     """
+    from ..results.files import write_whole
+    from .case import find_case
+
     if file.suffix != ".py" or file.exists():
         why = "is there already" if file.exists() else "must end with .py"
         raise ValueError(f"{file} {why}; choose another name.")

@@ -7,19 +7,14 @@ Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy i
 from __future__ import annotations
 
 import argparse
-import logging
 import os
 import sys
-import traceback
-import warnings
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TextIO
 
-from .commands import COMMANDS
+from .. import __version__
 from .parser import parser
-from .request import Interrupted
-from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, complain, say
+from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, Interrupted, complain, say
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -29,9 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser()
     options = commands.parse_args(arguments)
     if options.version:
-        from importlib.metadata import version
-
-        say(f"turingfold {version('turingfold')}")
+        say(f"turingfold {__version__}")
         return 0
     if "command" not in options:
         say(commands.format_help().rstrip())
@@ -51,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run_case(file: str) -> None:
     """Run a case from its own file, `if __name__ == "__main__": run_case(__file__)`, and end the program."""
+    from pathlib import Path
+
     path, here = Path(file).resolve(), Path.cwd()
     shown = path.relative_to(here) if path.is_relative_to(here) else path
     raise SystemExit(main(["run", str(shown), *sys.argv[1:]]))
@@ -58,12 +53,15 @@ def run_case(file: str) -> None:
 
 def _done(options: argparse.Namespace) -> int:
     """Do it, in one thread if not asked otherwise, and say in words what fails."""
+    import logging
+    import warnings
+
     for name in THREADS:  # one thread repeats bit for bit, and the matrices are too sparse to gain from more
         os.environ[name] = str(options.threads)
     os.environ["MPLBACKEND"] = "agg"  # a notebook's may not be installed here; files need none
     logging.getLogger("skfem").setLevel(logging.ERROR)  # it reports copies of arrays
     from ..errors import SolveError
-    from ..results.files import OutputError
+    from .commands import COMMANDS
 
     with warnings.catch_warnings():
         warnings.simplefilter("default", UserWarning)
@@ -73,6 +71,8 @@ def _done(options: argparse.Namespace) -> int:
         except SolveError as error:
             return _failed(options, str(error), STOPPED)
         except OSError as error:
+            from ..results.files import OutputError
+
             named = isinstance(error, OutputError) or error.filename is None
             words = error.strerror or str(error) if named else f"{error.filename}: {error.strerror}"
             return _failed(options, words, IO_FAILED)
@@ -91,6 +91,8 @@ def _interrupted(error: BaseException | None) -> bool:
 
 def _failed(options: argparse.Namespace, message: str, status: int) -> int:
     if options.debug:
+        import traceback
+
         traceback.print_exc()
     complain(message)
     return status

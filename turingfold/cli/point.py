@@ -21,7 +21,7 @@ from ..results.simulate import StoppedError, simulate
 from ..scene import Scene
 from ..studies.sweep import with_value
 from .case import Case, load_case
-from .status import Outcome
+from .outcome import Outcome
 
 RECORD = "point.json"
 KEEP = ("summary", "last", "all")

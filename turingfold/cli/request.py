@@ -47,11 +47,3 @@ class Running:
     resume: bool = False
     overwrite: bool = False
     jobs: int = 1
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C while scenes ran; `again` is the command line that goes on."""
-
-    def __init__(self, again: str) -> None:
-        super().__init__(again)
-        self.again = again

@@ -20,6 +20,7 @@ from ..results.units import length_unit
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure
+from .outcome import STATUSES, Outcome
 from .plan import (
     Planned,
     base_folder,
@@ -29,8 +30,8 @@ from .plan import (
     stored_names,
     without_result,
 )
-from .request import Interrupted, Request, Running
-from .status import STATUSES, Outcome, complain, say
+from .request import Request, Running
+from .status import Interrupted, complain, say
 from .table import write_case_table
 from .workers import Job, Report, run_jobs
 

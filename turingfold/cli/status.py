@@ -1,38 +1,24 @@
-"""What the command line leaves behind: exit statuses, and lines on standard output and error."""
+"""What the command line leaves behind: exit statuses, lines on standard output and error, what Ctrl-C cut off."""
 
 from __future__ import annotations
 
 import os
 import sys
-import textwrap
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
 
 BAD_INPUT = 2
 STOPPED = 3  # a solve
 IO_FAILED = 4
 INTERRUPTED = 130
 
-STATUSES = {  # of runs
-    "converged": 0, "invalid": STOPPED, "interrupted": STOPPED, "stopped": STOPPED, "killed": STOPPED,
-    "failed": STOPPED, "refused": BAD_INPUT,
-}  # fmt: skip
 WIDTH = 100
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How a run ended, and why.
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C while scenes ran; `again` is the command line that goes on."""
 
-    status: of its result; or "refused" (bad input), "killed", or "failed" by an error in the program.
-    summary: the numbers of its last state, of a point of a study.
-    """
-
-    name: str
-    status: str
-    message: str = ""
-    summary: Mapping[str, Any] = field(default_factory=dict)
+    def __init__(self, again: str) -> None:
+        super().__init__(again)
+        self.again = again
 
 
 def say(text: str) -> None:
@@ -47,6 +33,8 @@ def say(text: str) -> None:
 
 def complain(message: str) -> None:
     """Print an error: tables keep their columns, long sentences are wrapped."""
+    import textwrap
+
     for line in f"turingfold: {message}".splitlines():
         wrapped = textwrap.fill(line, WIDTH, break_on_hyphens=False) if len(line) > WIDTH else line
         print(wrapped, file=sys.stderr)

@@ -16,8 +16,8 @@ from ..results.files import CorruptFileError, json_content, read_json, unsigned,
 from ..results.lock import writer
 from ..studies.columns import NUMBERS, Column
 from .case import Case, folder_name
+from .outcome import Outcome
 from .point import DONE, Point, read_record
-from .status import Outcome
 from .table import append_row, write_parquet, write_table
 
 STUDY = "study.json"

@@ -22,11 +22,12 @@ from ..results.simulate import CoarseMeshWarning, coarseness
 from .case import Case, find_case, folder_name
 from .design import Design, points
 from .figure import save_figure
+from .outcome import STATUSES, Outcome
 from .plan import base_folder, has_result
 from .point import RECORD, Maker, Point, is_taken
-from .request import Interrupted, Request, Running
+from .request import Request, Running
 from .run import finished
-from .status import STATUSES, Outcome, complain, say
+from .status import Interrupted, complain, say
 from .study import STUDY, TABLE, Rows, described, ended, read_study, write_study
 from .study import collect as collected
 from .workers import run_jobs

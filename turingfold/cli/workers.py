@@ -25,9 +25,9 @@ from ..results.result import Row
 from ..results.simulate import CoarseMeshWarning, simulate
 from ..scene import Scene
 from .case import load_case
+from .outcome import Outcome
 from .point import Maker, Point, run_point
 from .request import Running
-from .status import Outcome
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
 

@@ -1,0 +1,35 @@
+"""Files of cases: which there are and what they say of themselves. None is run for that, nothing heavy imported."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+# cases that come with the package: inside it where it is installed, beside it in a checkout
+SHIPPED = next((folder for folder in (PACKAGE / "cases", PACKAGE.parent / "cases") if folder.is_dir()), None)
+
+
+def shipped() -> dict[str, Path]:
+    """Return the files of the cases that come with the package, by name."""
+    return {path.stem: path for path in case_files(SHIPPED)} if SHIPPED else {}
+
+
+def case_files(folder: Path) -> list[Path]:
+    """Return the Python files of a folder that have scenes."""
+    marked = re.compile(rb"^def scenes\(", re.MULTILINE)
+    return [file for file in sorted(folder.glob("*.py")) if marked.search(file.read_bytes())]
+
+
+def title(text: str | None) -> str:
+    """Return the first paragraph of a docstring as one line."""
+    return " ".join((text or "").strip().partition("\n\n")[0].split())
+
+
+def title_of(file: Path) -> str:
+    """Return the title of a case file; raises ValueError for one that is no Python."""
+    try:
+        return title(ast.get_docstring(ast.parse(file.read_bytes())))
+    except SyntaxError as error:
+        raise ValueError(f"{file}, line {error.lineno}: SyntaxError: {error.msg}. Correct the case.") from error
