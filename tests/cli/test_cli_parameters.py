@@ -3,12 +3,15 @@
 import csv
 import hashlib
 import json
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from turingfold import load
+from turingfold.cli.case import load_case
 from turingfold.cli.main import main
 
 CASE = '''"""A patch of cortex that grows, of any size. Less than a second."""
@@ -91,6 +94,32 @@ def test_the_users_number_of_elements_wins_over_that_of_the_quick_version(here):
     assert main(["run", "patch", "--quick", "--set", "elements=3"]) == 0
     body = load(here / "results/quick/patch/only").scene.body
     assert body.elements_through_cortex == pytest.approx(3)
+
+
+def test_another_scene_in_the_folder_is_told_by_its_parameters_and_the_remedy(here, capsys):
+    assert main(["run", "patch", "--quick"]) == 0
+    words = said(capsys)
+    assert "1 element(s) through the cortex" in words
+    assert "so drop --quick for numbers" in words
+    assert main(["run", "patch", "--quick", "--set", "radius=0.05", "--set", "elements=3"]) == 2
+    assert "(radius was 0.04 and is 0.05); choose another folder (out=..., --out DIR)" in said(capsys)
+    assert main(["run", "patch", "--set", "elements=1", "--set", "cortex=1.01"]) == 0
+    assert "so --set elements=4 for numbers" in said(capsys)
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="there is no git here")
+def test_a_result_says_what_made_it(here):
+    case, words = here / "patch.py", ["git", "-c", "user.name=a", "-c", "user.email=b@c", "-C", str(here)]
+    assert "commit" not in load_case(case).provenance({}, quick=True)
+    for more in (["init", "-q"], ["add", "patch.py"], ["commit", "-qm", "patch"]):
+        subprocess.run([*words, *more], check=True)
+    done = subprocess.run([*words, "rev-parse", "HEAD"], check=True, capture_output=True, text=True)
+    assert load_case(case).provenance({}, quick=True)["commit"] == done.stdout.strip()
+    case.write_text(CASE + "\n")
+    assert main(["run", "patch", "--quick", "--set", "cortex=1.01"]) == 0
+    stored = json.loads((here / "results/quick/patch/only/scene.json").read_text())["case"]
+    assert stored["commit"] == done.stdout.strip() + "-dirty"
+    assert stored["command"] == "turingfold run patch --set cortex=1.01 --quick"
 
 
 def test_a_value_of_a_part_can_be_set_too(here, capsys):

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import meshio
@@ -275,6 +276,8 @@ def test_a_stored_result_comes_back(finished):
 def test_versions_and_seed_are_kept(finished):
     document = json.loads((finished[0] / "scene.json").read_text())
     assert document["versions"]["numpy"] == np.__version__
+    made = datetime.fromisoformat(document["date"])
+    assert timedelta(0) <= datetime.now(UTC) - made < timedelta(hours=1)
     assert document["scene"]["seed"] == 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 import sys
 import traceback
 import unicodedata
@@ -94,12 +95,14 @@ class Case:
     def provenance(self, given: Mapping[str, Any], *, quick: bool) -> dict[str, Any]:
         """Return what is stored with a result of the case: its name, its source by hash, its parameters.
 
+        "commit": of the git working tree that it lies in, "...-dirty" where files differ from it.
         "changed": names of the parameters that differ from the defaults.
         """
         values, usual = (values_of(self.module.scenes, own, quick=quick) for own in (given, {}))
         return {
             "name": self.name,
             "sha256": sha256(self.path.read_bytes()).hexdigest(),
+            **({"commit": commit} if (commit := _commit(self.path.parent)) else {}),
             "quick": quick,
             "parameters": values,
             "changed": [name for name, value in values.items() if value != usual[name]],
@@ -202,6 +205,16 @@ def explained(path: Path) -> Iterator[None]:
             f"{_place(path, error)}: {type(error).__name__}: {error}. "
             "Correct the case; --debug shows the traceback."
         ) from error
+
+
+def _commit(folder: Path) -> str:
+    """Return the commit that git has checked out where a folder is, "" where there is none."""
+    words = ("git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=10, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip()
 
 
 def _place(path: Path, error: BaseException) -> str:

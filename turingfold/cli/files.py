@@ -1,4 +1,4 @@
-"""Files of cases: which there are and what they say of themselves. None is run for that, nothing heavy imported."""
+"""Files of cases: which there are, and their titles. None is run for that, and nothing heavy is imported."""
 
 from __future__ import annotations
 
@@ -32,4 +32,5 @@ def title_of(file: Path) -> str:
     try:
         return title(ast.get_docstring(ast.parse(file.read_bytes())))
     except SyntaxError as error:
-        raise ValueError(f"{file}, line {error.lineno}: SyntaxError: {error.msg}. Correct the case.") from error
+        words = f"{file}, line {error.lineno}: SyntaxError: {error.msg}. Correct the case."
+        raise ValueError(words) from error

@@ -52,7 +52,8 @@ def planned(case: Case, request: Request) -> list[Planned]:
     if unknown := [name for name in request.only if name not in every]:
         names = ", ".join(map(repr, every))
         raise ValueError(f"{case.path} has no scene {unknown[0]!r}; it has: {names}.")
-    provenance = case.provenance(own, quick=request.quick) | {"scenes": list(every)}
+    provenance = case.provenance(own, quick=request.quick)
+    provenance |= {"scenes": list(every), "command": request.words()}
     if parts:
         provenance["parts"] = parts
     return [

@@ -15,7 +15,7 @@ from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
 from ..results.folder import check_folder
 from ..results.result import Result, Row, read_result
-from ..results.simulate import CoarseMeshWarning, coarseness
+from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
 from ..results.units import length_unit
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
@@ -82,16 +82,23 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
     for job in jobs:
         assert job.scene is not None
         try:
-            document, _ = stored(job.scene)
+            document, _ = stored(job.scene, job.provenance)
             check_folder(job.folder, document, resume=running.resume, overwrite=running.overwrite)
         except ValueError as error:
             raise ValueError(f"{case.path}, scene {job.name!r}: {error}") from error
     scenes = {job.name: job.scene for job in jobs if job.scene is not None}
     few = min((scene.body.elements_through_cortex for scene in scenes.values()), default=float("inf"))
-    if words := coarseness(few):
+    if words := coarseness(few, _finer(case, request)):
         print(f"turingfold: note: {words}", file=sys.stderr)
     ends = {name: scene.until for name, scene in scenes.items()}
     return _outcomes(jobs, ends, request, running)
+
+
+def _finer(case: Case, request: Request) -> str:
+    """Return how the user gets smaller elements."""
+    if request.quick and "elements" not in dict(request.assigned):
+        return "drop --quick"
+    return f"--set elements={ENOUGH}" if "elements" in case.parameters else "give its body smaller ones"
 
 
 def _outcomes(
@@ -210,7 +217,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
-    jacobian = "" if s["min_jacobian"] is None else f"; smallest J* {s['min_jacobian']:.2f}"
+    jacobian = "" if s["min_jacobian"] is None else f"; least volume ratio det F* {s['min_jacobian']:.2f}"
     if s["inverted_elements"]:
         jacobian += f"; {s['inverted_elements']} element(s) turned over somewhere: use smaller ones"
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"

@@ -1,4 +1,4 @@
-"""What the command line leaves behind: exit statuses, lines on standard output and error, what Ctrl-C cut off."""
+"""What the command line leaves behind: exit statuses, and lines on standard output and error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""scene.json and body.npz: what a result was made from, every part and value, with versions and seed."""
+"""scene.json and body.npz: what a result was made from, every part and value, seed, versions, date."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import platform
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -28,9 +29,14 @@ def stored(scene: Scene, case: Mapping[str, Any] | None = None) -> tuple[dict[st
         **({"case": dict(case)} if case else {}),
         "scene": encoded,
         "arrays": {"file": "body.npz", "sha256": digest(arrays)},
-        "versions": {"python": platform.python_version(), "machine": platform.machine(), **_versions()},
     }
     return document, arrays
+
+
+def origin() -> dict[str, Any]:
+    """Return when a result is made and with which versions, which scene.json says, too."""
+    versions = {"python": platform.python_version(), "machine": platform.machine(), **installed()}
+    return {"date": datetime.now(UTC).isoformat(timespec="seconds"), "versions": versions}
 
 
 def read_scene(path: Path, known: Iterable[Any] = ()) -> Scene:
@@ -103,7 +109,8 @@ def _short(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _versions() -> dict[str, str]:
+def installed() -> dict[str, str]:
+    """Return the versions of the packages that results may depend on, of those that are installed."""
     found = {}
     for package in PACKAGES:
         try:

@@ -1,6 +1,6 @@
 """The folder of one result: scene, history, summary, kept states, frames and checkpoints.
 
-    scene.json, body.npz       what was run: every part and value, versions, seed; it can be rebuilt and rerun
+    scene.json, body.npz       what was run: every part and value, seed, versions, date; can be run again
     history.csv                a row per accepted step
     summary.json               numbers of the last state, and how the run ended; none of a killed run
     states/000012.npz          fields of the state after step 12, exactly; the last state is always there
@@ -26,7 +26,7 @@ from ..solve.march import Progress
 from ..state import State
 from .checkpoint import Checkpoint, from_arrays, to_arrays
 from .codec import Arrays
-from .document import difference, read_body, read_document, stored
+from .document import difference, origin, read_body, read_document, stored
 from .files import (
     CorruptFileError,
     arrays_content,
@@ -96,7 +96,7 @@ class ResultFolder:
         if not (again and self._has_body(document)):
             self._write("body.npz", arrays_content(arrays))
         if not again:
-            self._write("scene.json", json_content(document, signed=True))
+            self._write("scene.json", json_content(document | origin(), signed=True))
         for name in SUBFOLDERS:
             with writing(self.path / name):
                 (self.path / name).mkdir(exist_ok=True)
@@ -288,17 +288,20 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         return
     if overwrite:
         return
-    ignoring = ("versions", "case", "scene.stepping.seconds")
-    other = difference(read_document(path), document, ignoring=ignoring)
+    ignoring = ("versions", "date", "case", "scene.stepping.seconds")
+    old = read_document(path)
+    if other := difference(old, document, ignoring=ignoring):
+        given = (one.get("case", {}).get("parameters") for one in (old, document))
+        other = difference(*given) or other
     if resume and other:
         raise ValueError(
             f"{path} holds the result of another scene: {other}. Resume with the scene it was "
-            "made from, or choose another folder."
+            "made from, or choose another folder (out=..., --out DIR)."
         )
     if not resume:
         holds = f"the result of another scene ({other})" if other else "this result"
         remedy = "" if other else ", go on with it (resume=True, --resume)"
         raise ValueError(
-            f"{path} already holds {holds}; choose another folder{remedy} or replace what is there "
-            "(overwrite=True, --overwrite)."
+            f"{path} already holds {holds}; choose another folder (out=..., --out DIR){remedy} or replace "
+            "what is there (overwrite=True, --overwrite)."
         )

@@ -191,6 +191,11 @@ class Result:
         held = body.fixed if len(body.fixed) == len(body.supported) else self._problem.held
         return body.nodes.size - len(held)
 
+    @cached_property
+    def _shape(self) -> dict[str, float | None]:
+        """Areas and folds of the last state."""
+        return area_numbers(self.scene.body, self.last) | fold_numbers(self.scene.body, self.last)
+
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
@@ -225,8 +230,7 @@ class Result:
             "snaps": sum(row.get("snapped", 0.0) > 0 for row in rows),
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
-            **area_numbers(body, self.last),
-            **fold_numbers(body, self.last),
+            **self._shape,
             "converged": self.converged,
         }
 

@@ -87,13 +87,13 @@ def simulate(
         return _Run(scene, frames, progress, folder).to_the_end()
 
 
-def coarseness(elements: float) -> str:
+def coarseness(elements: float, remedy: str = "make size= smaller (elements= larger)") -> str:
     """Return what to say of so few elements through a growing cortex, or nothing where they are enough."""
     if elements >= ENOUGH - 0.01:
         return ""
     return (
         f"only {elements:.2g} element(s) through the cortex; folds form too late with fewer than {ENOUGH}, "
-        "so make size= smaller (elements= larger) for numbers to quote"
+        f"so {remedy} for numbers to quote"
     )
 
 
