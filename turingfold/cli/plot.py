@@ -9,7 +9,8 @@ from typing import Any
 from ..models.declared import nearest
 from ..studies.diagram import Values, bands, phase_diagram, values_of
 from .figure import save_figure
-from .status import Outcome, say
+from .outcome import Outcome
+from .status import say
 from .study import gathered, headings
 
 MEASURES = ("folds", "gyrification_index", "sulcal_depth")  # of bands, where none is asked for
