@@ -12,7 +12,6 @@ import sys
 from collections.abc import Sequence
 from typing import TextIO
 
-from .. import __version__
 from .parser import parser
 from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, Interrupted, complain, say
 
@@ -24,7 +23,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser()
     options = commands.parse_args(arguments)
     if options.version:
-        say(f"turingfold {__version__}")
+        from importlib.metadata import version
+
+        say(f"turingfold {version('turingfold')}")
         return 0
     if "command" not in options:
         say(commands.format_help().rstrip())
