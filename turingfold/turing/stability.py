@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from ..arrays import Array
 from ..checks import finite_array, one_of, positive
@@ -242,4 +241,6 @@ def hopf_boundary(kinetics: Kinetics, parameter: str, between: tuple[float, floa
             f"tr J is {ends[0]:g} at {parameter}={between[0]:g} and {ends[1]:g} at "
             f"{parameter}={between[1]:g}: there is no Hopf boundary between them; widen `between`."
         )
+    from scipy.optimize import brentq  # slow to import, and few kinetics need it
+
     return float(brentq(trace, *between, xtol=1e-14, rtol=1e-14))
