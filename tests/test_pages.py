@@ -6,14 +6,15 @@ from pathlib import Path
 
 import pytest
 from fences import fences
+from test_architecture import ROOMS
 
-from turingfold.cli.case import find_case
+from turingfold.cli.case import find_case, shipped
 from turingfold.cli.main import main
 from turingfold.cli.parser import parser
 
 PAGES = Path(__file__).parents[1] / ".docs" / "pages"
 SIZED = ("run", "sweep", "accuracy", "sensitivity", "buckling")  # commands with a small version of the case
-SHOWN = ("app", "verify")  # they serve for ever, or take long: only their words are checked
+SHOWN = ("app", "verify", "animate")  # serve for ever, or are run by other tests: only their words are checked
 
 
 @pytest.mark.slow
@@ -34,8 +35,12 @@ def test_a_page_runs(page, tmp_path, monkeypatch):
 
 
 def done(words):
-    """Do what a command of turingfold says, with the small version of its case."""
-    if words[0] in SHOWN:
+    """Do what a command of turingfold says, with the small version of its case.
+
+    Cases as they come with the package are run by tests/cases.
+    """
+    as_it_comes = words[0] == "run" and len(words) == 2 and words[1] in shipped()
+    if words[0] in SHOWN or as_it_comes:
         parser().parse_args(words)
         return
     small = ["--quick"] if words[0] in SIZED and "--quick" not in words else []
@@ -56,3 +61,11 @@ def test_the_defaults_of_figure_3():
             assert float(said[name]) == default, name
         else:
             assert said[name] == (default or "auto"), name
+
+
+def test_the_picture_of_the_house():
+    (picture,) = (one.text for one in fences(PAGES / "contributors.md") if one.text.startswith(" __main__"))
+    storeys = [line for line in picture.splitlines() if line.startswith(" ") and line[1] != " "]
+    assert len(storeys) == len(ROOMS)
+    for storey, names in zip(storeys, reversed(ROOMS), strict=True):
+        assert set(names) <= set(re.findall(r"\w+", storey)), storey
