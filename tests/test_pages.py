@@ -14,7 +14,7 @@ from turingfold.cli.parser import parser
 
 PAGES = Path(__file__).parents[1] / ".docs" / "pages"
 SIZED = ("run", "sweep", "accuracy", "sensitivity", "buckling")  # commands with a small version of the case
-SHOWN = ("app", "verify", "animate")  # serve for ever, or are run by other tests: only their words are checked
+SHOWN = ("app", "verify", "animate")  # serve for ever, or other tests run them: only the words are checked
 
 
 @pytest.mark.slow
