@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from turingfold import Elastic, GrowthMap, NeoHookean, Scene, SelfContact, Stepping, semicircle, simulate
 from turingfold.sensitivity.distance import signed_distance
 from turingfold.sensitivity.fit import fit
+from turingfold.sensitivity.smoothing import corner
 
 HIDDEN = (1.3, 1.15, 1.25, 1.1, 1.2)
 NAMES = tuple(f"GrowthMap.cortex.{k}" for k in range(len(HIDDEN)))
@@ -75,6 +76,15 @@ def test_what_the_outline_does_not_tell_is_said(targets):
     found = fit(scene(HIDDEN), targets, names, bounds=(0.2, 20.0))
     assert found.distinct < 4
     assert np.isinf(found.deviations).any()
+    common = found.values / np.linalg.norm(found.values)
+    weights = np.linalg.lstsq(found.flat.T, common, rcond=None)[0]
+    np.testing.assert_allclose(weights @ found.flat, common, atol=1e-3)
+
+
+def test_the_corner_of_a_curve_is_found():
+    x = np.array([0.0, 0.1, 0.2, 0.3, 1.0, 2.0])
+    y = np.array([5.0, 4.0, 3.0, 0.1, 0.05, 0.0])
+    assert corner(x, y) == 3
 
 
 def test_smoothness_joins_neighbours(targets):

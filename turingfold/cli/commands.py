@@ -70,6 +70,18 @@ def _sensitivity(options: argparse.Namespace) -> int:
     return sensitivities(_request(options, "sensitivity", *own), _running(options), asked)
 
 
+def _fit(options: argparse.Namespace) -> int:
+    from .fit import Asked, fitted
+
+    own = [word for age, file in options.target for word in ("--target", f"{age}={file}")]
+    own += [word for name in options.to for word in ("--to", name)]
+    asked = Asked(
+        tuple(options.target), tuple(options.to), options.unit, options.bounds, options.smoothness,
+        options.noise, options.figure,
+    )  # fmt: skip
+    return fitted(_request(options, "fit", *own), _running(options), asked)
+
+
 def _app(options: argparse.Namespace) -> int:
     from .app import Address, app
 
@@ -148,6 +160,7 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "plot": _plot,
     "accuracy": _accuracy,
     "sensitivity": _sensitivity,
+    "fit": _fit,
     "app": _app,
     "draw": _draw,
     "list": _list,

@@ -86,6 +86,34 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
     )  # fmt: skip
     sensitivity.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
+    _add_fit(commands, shared)
+
+
+def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
+    """Add the command that fits a case to outlines."""
+    fit = commands.add_parser(
+        "fit", parents=shared, help="which growth, moduli or loads made given outlines",
+        description="Find the parameters with which a scene comes closest to outlines, starting from those "
+        "of the case, by derivatives of its equilibria. The fitted scene, table, figure and fit.json, which "
+        "always holds the best so far, are in DIR/<case>-fit.",
+    )  # fmt: skip
+    fit.add_argument(
+        "--target", action="append", default=[], type=_assignment, metavar="TIME=FILE", required=True,
+        help="outline (CSV, SVG) or folder of a result at a time of the scene, 1 is its end; may be repeated",
+    )  # fmt: skip
+    fit.add_argument(
+        "--to", action="append", default=[], metavar="PARAMETER", required=True,
+        help="such as TangentialGrowth.cortex, or GrowthMap.cortex for all its places; may be repeated",
+    )  # fmt: skip
+    fit.add_argument("--unit", metavar="UNIT", help="of the files, such as mm, where they state none (m)")
+    fit.add_argument("--bounds", type=_range, metavar="LOW:HIGH", help="of all parameters")
+    fit.add_argument(
+        "--smoothness", type=_smoothness, default=0.0, metavar="W",
+        help="weight of the second differences of a map, or auto: as much as the noise allows (0)",
+    )  # fmt: skip
+    fit.add_argument("--noise", type=float, metavar="M", help="standard deviation of the outlines, in m")
+    fit.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
+    fit.set_defaults(command="fit")
 
 
 def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
@@ -253,6 +281,23 @@ def _assignment(text: str) -> tuple[str, str]:
     if not (name and sign and values):
         raise argparse.ArgumentTypeError(f"{text!r} is not of the form NAME=VALUE")
     return name, values
+
+
+def _range(text: str) -> tuple[float, float]:
+    try:
+        low, high = map(float, text.split(":"))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} must be LOW:HIGH, such as 0.8:3") from error
+    return low, high
+
+
+def _smoothness(text: str) -> float | str:
+    if text == "auto":
+        return text
+    try:
+        return float(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} must be a number or auto") from error
 
 
 def _figure(text: str) -> Path:

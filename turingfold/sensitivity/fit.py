@@ -12,16 +12,15 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from ..arrays import Array
-from ..checks import finite_array, instance, positive
+from ..checks import instance
 from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
-from ..morphometry.walls import self_intersections
 from ..parts import TimeStep
 from ..results.files import write_whole
 from ..results.surface import along_pial, pial_closed
@@ -33,9 +32,9 @@ from ..studies.sweep import with_value
 from .distance import sampled, signed_distance, through
 from .forward import Tangent
 from .parameters import change, check_path, number_of
+from .smoothing import SPLINE, second_differences, smoothest
+from .targets import checked_targets
 
-FAR = 5.0  # a target this many times the body's length away, or as large, is in other units
-SPLINE = 0.875  # mean square of the cubic spline through independent errors of unit variance
 DISTINCT = 1e-4  # singular values below this share of the largest belong to what the outlines do not tell
 
 
@@ -46,7 +45,8 @@ class Fit:
     scene: with the values put in.  values, deviations: of the parameters and their standard errors, (p,);
     a deviation is infinite where the outlines do not tell the parameter.
     misfits: root mean square distance per age; m.  distinct: how many combinations of the parameters the
-    outlines tell apart.  singular_values: of the scaled Jacobian, (p,).  solves: equilibria that were found.
+    outlines tell apart.  singular_values: of the scaled Jacobian, (p,).  flat: changes of the parameters of
+    unit length that the outlines do not tell, (p - distinct, p).  solves: equilibria that were found.
     """
 
     scene: Scene
@@ -56,6 +56,7 @@ class Fit:
     misfits: dict[float, float]
     distinct: int
     singular_values: Array
+    flat: Array
     solves: int
     message: str
 
@@ -66,7 +67,7 @@ def fit(
     to: Sequence[str],
     *,
     bounds: tuple[float, float] | None = None,
-    smoothness: float = 0.0,
+    smoothness: float | Literal["auto"] = 0.0,
     noise: float | None = None,
     tolerance: float = 1e-8,
     out: Path | None = None,
@@ -77,25 +78,39 @@ def fit(
     targets: by age (the scene's time), points (2, n) in m, in order; open ones reach as far as the pial
     surface.  to: parameters, such as "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
     bounds: least and largest value of all.  smoothness: weight of the second differences of values that are
-    neighbours in one map, against distances in units of the cortical thickness.  noise: standard deviation of
+    neighbours in one map, against distances in units of the cortical thickness; "auto": as much as the noise
+    allows, or by the L-curve (see `smoothing.smoothest`).  noise: standard deviation of
     the targets, m, for the standard errors; else they follow from the misfit.  out: a folder in which
     fit.json always holds the best so far.  progress: is called with each root mean square misfit, m.
     Raises ValueError for targets that cross themselves or are far off, ages outside the scene, and scenes
     whose state depends on the way to it; NotConvergedError where the scene itself does not reach the ages.
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
-    curves = _checked(scene, targets)
+    if smoothness == "auto":
+        if not len(second_differences(to)):
+            raise ValueError('smoothness="auto" needs three neighbours of one map among the parameters.')
+
+        def again(weight: float, last: Fit | None) -> Fit:
+            begun = scene if last is None else last.scene
+            return fit(
+                begun, targets, to, bounds=bounds, smoothness=weight, noise=noise, tolerance=tolerance,
+                out=out, progress=progress,
+            )  # fmt: skip
+
+        found, how = smoothest(again, noise)
+        return replace(found, message=f"{found.message} {how}")
+    curves = checked_targets(scene, targets)
     values = np.array([number_of(scene, parameter) for parameter in to])
     closed = pial_closed(scene.body)
     smooth = {age: through(points, closed=closed) for age, points in curves.items()}
     given = {age: points.shape[1] for age, points in curves.items()}
     problem = _Inverse(scene, tuple(to), smooth, given, smoothness, out, progress)
     low, high = (-np.inf, np.inf) if bounds is None else bounds
-    found = least_squares(
+    solved = least_squares(
         problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
         xtol=tolerance, ftol=1e-15, gtol=None,
     )  # fmt: skip
-    return problem.result(np.asarray(found.x), str(found.message), noise)
+    return problem.result(np.asarray(solved.x), str(solved.message), noise)
 
 
 @dataclass(eq=False)
@@ -121,10 +136,9 @@ class _Inverse:
 
     def residuals(self, values: Array) -> Array:
         """Return distances in cortical thicknesses, of all ages, and the differences that are to be small."""
-        scene = self._with(values)
         try:
-            x = self._equilibria(scene, values)
-        except SolveError:
+            x = self._equilibria(self._with(values), values)
+        except (SolveError, ValueError):  # no equilibrium, or a value that its part refuses
             if self._at is None:
                 raise
             return np.full(self._count(), 1e3)  # scipy goes back to shorter steps
@@ -180,7 +194,7 @@ class _Inverse:
         return Fit(
             scene=self._with(values), parameters=self.parameters, values=values, deviations=deviations,
             misfits=misfits, distinct=int(told.sum()), singular_values=singular, solves=self.solves,
-            message=message,
+            flat=_unit(modes[~told] / scale), message=message,
         )  # fmt: skip
 
     def _with(self, values: Array) -> Scene:
@@ -246,15 +260,8 @@ class _Inverse:
 
     def _roughness(self) -> Array:
         """Return weighted second differences of neighbours in one map, (rows, p)."""
-        rows = []
-        for k in range(1, len(self.parameters) - 1):
-            near = [name.rpartition(".") for name in self.parameters[k - 1 : k + 2]]
-            same = len({stem for stem, _, _ in near}) == 1 and all(tail.isdecimal() for _, _, tail in near)
-            if same and self.smoothness > 0:
-                row = np.zeros(len(self.parameters))
-                row[k - 1 : k + 2] = self.smoothness * np.array([1.0, -2.0, 1.0])
-                rows.append(row)
-        return np.array(rows).reshape(-1, len(self.parameters))
+        rows = second_differences(self.parameters)
+        return self.smoothness * rows if self.smoothness > 0 else rows[:0]
 
     def _count(self) -> int:
         return len(self.targets) * len(self._weights()) + len(self._roughness())
@@ -272,24 +279,5 @@ class _Inverse:
             self.progress(misfit)
 
 
-def _checked(scene: Scene, targets: Mapping[float, Any]) -> dict[float, Array]:
-    """Return the targets in order of age; raises ValueError for what cannot be one."""
-    if not targets:
-        raise ValueError("targets is empty; give an outline by age, such as {1.0: points}.")
-    body, found = scene.body, {}
-    for age, points in sorted(targets.items()):
-        positive("age", age, at_most=scene.until, remedy="ages are times of the scene")
-        curve = finite_array(f"targets[{age:g}]", points, (2, None))
-        if pial_closed(body) and np.array_equal(curve[:, 0], curve[:, -1]):
-            curve = curve[:, :-1]
-        extent = float(np.ptp(curve, axis=1).max())
-        ratio = extent / (2 * body.length)
-        if not 1 / FAR < ratio < FAR:
-            raise ValueError(
-                f"targets[{age:g}] is {extent:.3g} m wide, the body {2 * body.length:.3g} m: are both in m?"
-            )
-        crossings = self_intersections(curve, closed=pial_closed(body))
-        if crossings:
-            raise ValueError(f"targets[{age:g}] crosses itself {crossings} times; repair it, see `outline`.")
-        found[float(age)] = curve
-    return found
+def _unit(rows: Array) -> Array:
+    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

@@ -1,0 +1,74 @@
+"""turingfold fit: a hidden parameter and a hidden map are found again from files; what it refuses."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from turingfold import load
+from turingfold.cli.main import main
+
+MAP = """
+from turingfold import Elastic, GrowthMap, NeoHookean, Scene, Stepping, semicircle
+
+def scenes(quick=False, *, first=1.2, last=1.3):
+    body = semicircle(radius=1.0, thickness=0.2, elements=2)
+    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),)
+    steps = Stepping(first=0.5, largest=0.5)
+    grow = GrowthMap(cortex=(first, 1.25, 1.1, 1.2, last))
+    return {"only": Scene(body=body, terms=terms, processes=(grow,), stepping=steps)}
+"""
+
+
+@pytest.fixture
+def target(tmp_path, monkeypatch):
+    """Write a case, and the outline of its end to a file in millimetres; return its name."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "map.py").write_text(MAP)
+    assert main(["run", "map.py", "--out", "hidden"]) == 0
+    millimetres = 1e3 * load("hidden/map/only").pial().T
+    np.savetxt("outline.csv", millimetres, delimiter=",", header="x,y", comments="")
+    return "outline.csv"
+
+
+def test_a_map_is_found_again_and_run_and_stored(target, tmp_path, capsys):
+    words = ["--target", f"1={target}", "--unit", "mm", "--set", "first=1.1", "--set", "last=1.1"]
+    assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words]) == 0
+    said = capsys.readouterr().out
+    assert "tell 5 of 5 combinations" in said
+    folder = tmp_path / "results/map-fit"
+    with (folder / "fit.csv").open() as file:
+        values = [float(row["value"]) for row in csv.DictReader(file)]
+    hidden = (1.2, 1.25, 1.1, 1.2, 1.3)
+    np.testing.assert_allclose(values, hidden, rtol=2e-3)
+    result = load(folder / "only")
+    assert result.status == "converged"
+    np.testing.assert_allclose(result.scene.processes[0].cortex, values)
+    best = json.loads((folder / "fit.json").read_text())["parameters"]
+    np.testing.assert_allclose(list(best.values()), values)
+    assert (folder / "map-fit.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_result_is_a_target_too_and_smoothness_may_be_chosen(target, tmp_path, capsys):
+    words = ["--target", "1=hidden/map/only", "--noise", "0.002", "--smoothness", "auto"]
+    assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--figure", "mine.svg"]) == 0
+    said = capsys.readouterr().out
+    assert "the most that leaves a misfit within the noise" in said
+    assert (tmp_path / "mine.svg").is_file()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--to", "GrowthMap.cortx"], "cortx"),
+        (["--to", "GrowthMap.cortex.0", "--target", "late=outline.csv"], "'late' is no time"),
+        (["--to", "GrowthMap.cortex.0", "--target", "2=outline.csv", "--unit", "mm"], "age"),
+        (["--to", "GrowthMap.cortex.0", "--smoothness", "auto"], "three neighbours"),
+        (["--to", "GrowthMap.cortex.0"], "are both in m"),  # the file is in mm
+    ],
+)
+def test_what_cannot_be_is_refused(target, words, said, capsys):
+    capsys.readouterr()
+    assert main(["fit", "map.py", "--target", f"1={target}", *words]) == 2
+    assert said in capsys.readouterr().err

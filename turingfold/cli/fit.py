@@ -1,0 +1,174 @@
+"""turingfold fit: the parameters of a scene with which it comes closest to given outlines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ..arrays import Array
+from ..results.result import Result, load
+from ..results.simulate import StoppedError, simulate
+from ..results.surface import pial_closed
+from ..scene import Scene
+from ..sensitivity.fit import Fit, fit
+from ..sensitivity.parameters import number_of, numbers_of
+from .case import find_case, folder_name
+from .figure import save_figure
+from .plan import base_folder, planned
+from .request import Request, Running
+from .status import STOPPED, say
+from .table import write_table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TABLE = "fit.csv"
+MM = 1e3
+SHOWN = 5  # maps and other parameters in the figure
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Targets as time and file, and parameters; the rest as in `turingfold.fit`."""
+
+    targets: tuple[tuple[str, str], ...]
+    to: tuple[str, ...]
+    unit: str | None = None
+    bounds: tuple[float, float] | None = None
+    smoothness: float | Literal["auto"] = 0.0
+    noise: float | None = None
+    figure: Path | None = None
+
+
+def fitted(request: Request, running: Running, asked: Asked) -> int:
+    """Fit one scene of a case, run it with what was found, store and draw both; return the exit status.
+
+    Raises ValueError for several scenes, unknown parameters, and files that hold no outline.
+    """
+    case = find_case(request.case)
+    plan = planned(case, request)
+    if len(plan) > 1:
+        names = ", ".join(one.name for one in plan)
+        raise ValueError(f"{case.path} has the scenes {names}; choose one with --only.")
+    (one,) = plan
+    to = expanded(one.scene, asked.to)
+    targets = {_time(time): outline(Path(file), asked.unit, case.known) for time, file in asked.targets}
+    base = base_folder(case, request)
+    found = fit(
+        one.scene, targets, to, bounds=asked.bounds, smoothness=asked.smoothness, noise=asked.noise, out=base,
+        progress=lambda misfit: say(f"misfit {misfit:.3g} m"),
+    )  # fmt: skip
+    write_table(base / TABLE, ("parameter", "value", "standard_error"), _rows(found))
+    say(_told(found))
+    say(f"table: {base / TABLE}")
+    steps = replace(found.scene.stepping, stops=tuple(sorted({*found.scene.stepping.stops, *targets})))
+    scene, status = replace(found.scene, stepping=steps), 0
+    try:
+        result = simulate(
+            scene, base / folder_name(one.name), resume=running.resume, overwrite=running.overwrite,
+            case={**one.provenance, "fitted": dict(zip(to, found.values.tolist(), strict=True))},
+        )  # fmt: skip
+    except StoppedError as error:
+        say(f"the fitted scene stopped: {error}")
+        result, status = error.result, STOPPED
+    say(f"fitted scene: {base / folder_name(one.name)}")
+    picture = asked.figure or base / f"{case.name}-fit.png"
+    with save_figure(picture) as figure:
+        groups = list(_groups(found.parameters).items())[:SHOWN]
+        widths = [2.5, *(1.0 + 0.1 * len(among) for _, among in groups)]
+        figure.set_size_inches(2.2 * sum(widths), 4.0)
+        outlines, *panels = figure.subplots(1, 1 + len(groups), width_ratios=widths)
+        _draw_outlines(outlines, result, targets)
+        for axes, (name, among) in zip(panels, groups, strict=True):
+            _draw_values(axes, found, name, among)
+        figure.suptitle(
+            f"{found.distinct} of {len(found.values)} combinations of the parameters told; bars: two standard"
+            " errors; gray: not told", fontsize=9,
+        )  # fmt: skip
+    say(f"figure: {picture}")
+    return status
+
+
+def expanded(scene: Scene, to: tuple[str, ...]) -> tuple[str, ...]:
+    """Return parameters, with all entries of those that are maps: "GrowthMap.cortex" names its places.
+
+    Raises ValueError for what is no number of a part, with the nearest names.
+    """
+    known, found = numbers_of(scene), []
+    for name in to:
+        split = [(one, *one.rpartition(".")) for one in known]
+        places = [one for one, stem, _, place in split if stem == name and place.isdecimal()]
+        if not places:
+            number_of(scene, name)  # says what is wrong
+        found += places or [name]
+    return tuple(dict.fromkeys(found))
+
+
+def outline(path: Path, unit: str | None, known: tuple[Any, ...]) -> Array:
+    """Return the pial surface of a result's end, or the outline in a file, (2, n); m."""
+    if path.is_dir():
+        return load(path, known=known).pial()
+    from ..outlines.read import read_outline
+
+    read = read_outline(path, unit=unit)
+    return read.single() if read.unit is not None else read_outline(path, unit=1.0).single()
+
+
+def _time(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise ValueError(f"--target {text}=...: {text!r} is no time; write 1=outline.csv.") from error
+
+
+def _rows(found: Fit) -> list[tuple[str, float, float]]:
+    return list(zip(found.parameters, found.values.tolist(), found.deviations.tolist(), strict=True))
+
+
+def _told(found: Fit) -> str:
+    width = max(len(name) for name in found.parameters)
+    lines = [f"{name:<{width}} {value:>12.6g} ± {error:.2g}" for name, value, error in _rows(found)]
+    lines += [f"misfit at {time:g}: {size:.3g} m" for time, size in found.misfits.items()]
+    told, all_ = found.distinct, len(found.parameters)
+    lines.append(f"the outlines tell {told} of {all_} combinations of the parameters apart; {found.message}")
+    return "\n".join(lines)
+
+
+def _draw_outlines(axes: Axes, result: Result, targets: dict[float, Array]) -> None:
+    """Draw the fitted pial surfaces and, dotted, the targets."""
+    closed = pial_closed(result.scene.body)
+    for k, (time, points) in enumerate(targets.items()):
+        color = f"C{k}"
+        near = int(np.argmin([abs(state.time - time) for state in result.states]))
+        for curve, style, words in ((result.pial(near), "-", f"fitted, {time:g}"), (points, ":", "target")):
+            x, y = MM * (np.concatenate([curve, curve[:, :1]], axis=1) if closed else curve)
+            axes.plot(x, y, style, color=color if style == "-" else "k", linewidth=1.2, label=words)
+    axes.set_aspect("equal")
+    axes.set_xlabel("mm")
+    axes.legend(fontsize=8)
+
+
+def _groups(parameters: tuple[str, ...]) -> dict[str, list[int]]:
+    """Return the numbers of the parameters of each map, and of each other parameter alone."""
+    found: dict[str, list[int]] = {}
+    for k, name in enumerate(parameters):
+        stem, _, place = name.rpartition(".")
+        found.setdefault(stem if place.isdecimal() else name, []).append(k)
+    return found
+
+
+def _draw_values(axes: Axes, found: Fit, name: str, among: list[int]) -> None:
+    """Draw the values of one map with two standard errors; gray lines: what the outlines do not tell."""
+    values, k = found.values[among], np.arange(len(among))
+    errors = np.where(np.isfinite(found.deviations), 2 * found.deviations, 0.0)[among]
+    size = max(float(np.ptp(values)), 0.1 * float(np.abs(values).max()))
+    for flat in found.flat[:, among]:
+        if np.abs(flat).max() > 1e-2:
+            axes.plot(k, values + 0.5 * size * flat / np.abs(flat).max(), color="0.7", linewidth=0.8)
+    axes.errorbar(k, values, errors, fmt="o", markersize=4, capsize=3)
+    axes.set_xticks(k if len(k) < 9 else k[:: len(k) // 8])
+    untold = "" if np.isfinite(found.deviations[among]).all() else "\nnot told by the outlines"
+    axes.set_title(f"{name}{untold}", fontsize=8)

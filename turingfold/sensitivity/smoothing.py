@@ -1,0 +1,67 @@
+"""How smooth a fitted map is to be: as smooth as the outlines allow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Array
+
+if TYPE_CHECKING:
+    from .fit import Fit
+
+WEIGHTS = 10.0 ** np.arange(0.0, -4.1, -0.5)
+SPLINE = 0.875  # mean square of the cubic spline through independent errors of unit variance
+AMPLE = 1.1  # times the noise: a misfit that it explains
+
+
+def second_differences(parameters: Sequence[str]) -> Array:
+    """Return the second differences of values that are neighbours in one map, (rows, p)."""
+    rows = []
+    for k in range(1, len(parameters) - 1):
+        near = [name.rpartition(".") for name in parameters[k - 1 : k + 2]]
+        if len({stem for stem, _, _ in near}) == 1 and all(tail.isdecimal() for _, _, tail in near):
+            row = np.zeros(len(parameters))
+            row[k - 1 : k + 2] = 1.0, -2.0, 1.0
+            rows.append(row)
+    return np.array(rows).reshape(-1, len(parameters))
+
+
+def smoothest(fitted: Callable[[float, Fit | None], Fit], noise: float | None) -> tuple[Fit, str]:
+    """Return a fit of well chosen weight of smoothness, and how it was chosen.
+
+    fitted: makes a fit with a weight, starting from another one.  noise: of the targets, m. With it, the
+    largest weight whose misfit the noise explains (Morozov's discrepancy principle); without, that at the
+    corner of the curve of log roughness over log misfit, where more smoothness begins to cost misfit (the
+    L-curve: Hansen, SIAM Review 34:561, 1992).
+    """
+    found: list[Fit] = []
+    for weight in WEIGHTS.tolist():
+        found.append(fitted(weight, found[-1] if found else None))
+        if noise is not None and misfit(found[-1]) <= AMPLE * np.sqrt(SPLINE) * noise:
+            return found[-1], f"smoothness {weight:.2g}, the most that leaves a misfit within the noise"
+    if noise is not None:
+        return found[-1], f"smoothness {WEIGHTS[-1]:.2g}, the least tried: the misfit exceeds the noise"
+    differences = second_differences(found[0].parameters)
+    rough = np.array([np.linalg.norm(differences @ one.values) for one in found])
+    k = corner(np.log([misfit(one) for one in found]), np.log(np.maximum(rough, 1e-300)))
+    return found[k], f"smoothness {WEIGHTS[k]:.2g}, at the corner of the L-curve"
+
+
+def misfit(found: Fit) -> float:
+    """Return the root mean square distance over all ages; m."""
+    return float(np.sqrt(np.mean(np.square(list(found.misfits.values())))))
+
+
+def corner(x: Array, y: Array) -> int:
+    """Return the number of the inner point at which a curve through points (n,) bends most.
+
+    By the circle through it and its neighbours, on axes scaled to their ranges.
+    """
+    at = np.stack([(x - x.min()) / max(np.ptp(x), 1e-300), (y - y.min()) / max(np.ptp(y), 1e-300)])
+    a, b, c = at[:, :-2], at[:, 1:-1], at[:, 2:]
+    area = np.abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+    sides = [np.hypot(*(one - other)) for one, other in ((a, b), (b, c), (c, a))]
+    return 1 + int(np.argmax(2 * area / np.maximum(np.prod(sides, axis=0), 1e-300)))
