@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from turingfold import Elastic, GrowthMap, NeoHookean, Scene, SelfContact, Stepping, semicircle, simulate
+from turingfold import (
+    Elastic,
+    GrowthMap,
+    NeoHookean,
+    Scene,
+    SelfContact,
+    Stepping,
+    outline,
+    semicircle,
+    simulate,
+)  # fmt: skip
 from turingfold.sensitivity.distance import signed_distance
 from turingfold.sensitivity.fit import fit
 from turingfold.sensitivity.smoothing import corner
@@ -79,6 +89,24 @@ def test_what_the_outline_does_not_tell_is_said(targets):
     common = found.values / np.linalg.norm(found.values)
     weights = np.linalg.lstsq(found.flat.T, common, rcond=None)[0]
     np.testing.assert_allclose(weights @ found.flat, common, atol=1e-3)
+
+
+def test_a_free_body_is_laid_on_its_target_first():
+    a = 2 * np.pi * np.arange(80) / 80
+    body = outline(np.stack([1.2 * np.cos(a), 0.9 * np.sin(a)]), thickness=0.2, elements=2)
+    hidden = (1.3, 1.15, 1.25, 1.1, 1.2, 1.05)
+
+    def free(cortex):
+        terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),)
+        steps = Stepping(first=0.5, largest=0.5)
+        return Scene(body=body, terms=terms, processes=(GrowthMap(cortex=cortex),), stepping=steps)
+
+    turn = np.array([[np.cos(0.2), -np.sin(0.2)], [np.sin(0.2), np.cos(0.2)]])
+    target = turn @ simulate(free(hidden)).pial() + np.array([[0.3], [-0.2]])
+    names = [f"GrowthMap.cortex.{k}" for k in range(6)]
+    found = fit(free((1.15,) * 6), {1.0: target}, names)
+    np.testing.assert_allclose(found.values, hidden, rtol=3e-3)
+    assert found.misfits[1.0] < 1e-3 * body.thickness
 
 
 def test_the_corner_of_a_curve_is_found():

@@ -29,6 +29,7 @@ from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
 from ..studies.sweep import with_value
+from .alignment import aligned, without_rigid
 from .distance import sampled, signed_distance, through
 from .forward import Tangent
 from .parameters import change, check_path, number_of
@@ -76,7 +77,8 @@ def fit(
     """Return the parameters with which the scene's pial surface comes closest to target outlines.
 
     targets: by age (the scene's time), points (2, n) in m, in order; open ones reach as far as the pial
-    surface.  to: parameters, such as "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
+    surface; a body that nothing supports is laid on them first.  to: parameters, such as
+    "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
     bounds: least and largest value of all.  smoothness: weight of the second differences of values that are
     neighbours in one map, against distances in units of the cortical thickness; "auto": as much as the noise
     allows, or by the L-curve (see `smoothing.smoothest`).  noise: standard deviation of
@@ -164,9 +166,10 @@ class _Inverse:
             tangent = Tangent(problem, at)
             changes = (change(scene, state, self._x[age], name, step).gradient for name in self.parameters)
             self._moves[age] = np.stack([-tangent.solve(gradient) for gradient in changes])
-            _, normals = self._distances(age, self._x[age])
+            _, normals, rigid = self._distances(age, self._x[age])
             ways = np.stack([self._pial(move, moved=False) for move in self._moves[age]])
-            rows.append(np.einsum("in,pin->np", normals, ways) * self._weights()[:, None])
+            moved = np.einsum("in,pin->np", normals, ways) * self._weights()[:, None]
+            rows.append(without_rigid(moved, rigid))
         return np.concatenate([*rows, self._roughness()])
 
     def result(self, values: Array, message: str, noise: float | None) -> Fit:
@@ -238,11 +241,17 @@ class _Inverse:
             found[age] = by_node(position.state["displacement"])
         return found
 
-    def _distances(self, age: float, x: Array) -> tuple[Array, Array]:
-        """Return weighted distances in thicknesses, (n,), and the distances' gradients, (2, n)."""
-        closed = pial_closed(self.scene.body)
-        distance, normal = signed_distance(self._pial(x), self.targets[age], closed=closed)
-        return distance * self._weights(), normal
+    def _distances(self, age: float, x: Array) -> tuple[Array, Array, Array]:
+        """Return weighted distances in thicknesses, (n,), their gradients, (2, n), and what is rigid.
+
+        A body that nothing supports is first laid on its target; of another one, none are, (n, 0).
+        """
+        closed, points, weights = pial_closed(self.scene.body), self._pial(x), self._weights()
+        if self.scene.body.supported.size == 0:
+            target = self.targets[age]
+            return aligned(points, weights, lambda at: signed_distance(at, target, closed=closed))
+        distance, normal = signed_distance(points, self.targets[age], closed=closed)
+        return distance * weights, normal, np.zeros((len(weights), 0))
 
     def _weights(self) -> Array:
         """Return √(share of the pial surface) of each sample over the thickness, (n,); 1/m."""

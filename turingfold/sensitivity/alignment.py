@@ -1,0 +1,47 @@
+"""How a curve that may move and turn lies best on a target.
+
+The distances d_i of its points from the target change by n_i · (a + θ k × (x_i - c)) as it moves by a and
+turns by θ. Least squares in a and θ, repeated, find the place; a change of shape then counts without the part
+of it that another move or turn takes back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..arrays import Array
+
+ROUNDS = 30
+STILL = 1e-12  # move or turn, in the size of the curve, that ends them
+
+Distances = Callable[[Array], tuple[Array, Array]]  # points (2, n) -> distances (n,), their gradients (2, n)
+
+
+def aligned(points: Array, weights: Array, distances: Distances) -> tuple[Array, Array, Array]:
+    """Return the distances of a curve laid on its target, their gradients, and which of them are rigid.
+
+    points: (2, n).  weights: of the distances, (n,).
+    The distances, (n,), are weighted; gradients, (2, n), are those to the points before they were moved;
+    rigid, (n, 3), has orthonormal columns: weighted distances that a move or a turn could change.
+    """
+    centre = points.mean(axis=1, keepdims=True)
+    size = float(np.abs(points - centre).max())
+    start, turn, move = points - centre, 0.0, centre
+    for _ in range(ROUNDS):
+        rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        arms = rotation @ start
+        distance, gradient = distances(arms + move)
+        turning = gradient[1] * arms[0] - gradient[0] * arms[1]
+        rigid = weights[:, None] * np.stack([*gradient, turning], axis=1)
+        change = np.linalg.lstsq(rigid, -weights * distance, rcond=1e-10)[0]
+        if max(np.abs(change[:2]).max() / size, abs(change[2])) < STILL:
+            break
+        move, turn = move + change[:2, None], turn + float(change[2])
+    return weights * distance, rotation.T @ gradient, np.linalg.qr(rigid)[0]
+
+
+def without_rigid(rows: Array, rigid: Array) -> Array:
+    """Return weighted changes of distances, (n,) or (n, p), without what a move or a turn takes back."""
+    return np.asarray(rows - rigid @ (rigid.T @ rows))
