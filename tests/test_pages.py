@@ -1,5 +1,6 @@
 """What the pages say runs: their Python, the files they show, their commands; and their tables are true."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -12,7 +13,8 @@ from turingfold.cli.case import find_case, shipped
 from turingfold.cli.main import main
 from turingfold.cli.parser import parser
 
-PAGES = Path(__file__).parents[1] / ".docs" / "pages"
+DOCS = Path(__file__).parents[1] / ".docs"
+PAGES = DOCS / "pages"
 SIZED = ("run", "sweep", "accuracy", "sensitivity", "buckling")  # commands with a small version of the case
 SHOWN = ("app", "verify", "animate")  # serve for ever, or other tests run them: only the words are checked
 
@@ -69,3 +71,18 @@ def test_the_picture_of_the_house():
     assert len(storeys) == len(ROOMS)
     for storey, names in zip(storeys, reversed(ROOMS), strict=True):
         assert set(names) <= set(re.findall(r"\w+", storey)), storey
+
+
+@pytest.mark.parametrize("page", sorted(PAGES.glob("*.md")), ids=lambda page: page.stem)
+def test_links_lead_to_what_is_there(page):
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if "://" not in link:
+            assert (page.parent / link.partition("#")[0]).exists(), link
+
+
+def test_the_gallery_has_the_numbers_that_were_kept():
+    kept = json.loads((DOCS / "gallery.json").read_text(encoding="utf-8"))
+    page = (PAGES / "gallery.md").read_text(encoding="utf-8")
+    for scene, words in ((scene, words) for scenes in kept.values() for scene, words in scenes.items()):
+        assert f"| {scene} | {' | '.join(words)} |" in page, "write it anew: python .docs/gallery.py"
