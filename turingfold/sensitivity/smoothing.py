@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from ..arrays import Array
 
-if TYPE_CHECKING:
-    from .fit import Fit
-
 WEIGHTS = 10.0 ** np.arange(0.0, -4.1, -0.5)
 SPLINE = 0.875  # mean square of the cubic spline through independent errors of unit variance
 AMPLE = 1.1  # times the noise: a misfit that it explains
+
+
+class Fitted(Protocol):
+    """What is read of a fit: its parameters with their values, and the misfit at each age, m."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]: ...  # noqa: D102
+
+    @property
+    def values(self) -> Array: ...  # noqa: D102
+
+    @property
+    def misfits(self) -> dict[float, float]: ...  # noqa: D102
+
+
+Fit = TypeVar("Fit", bound=Fitted)
 
 
 def second_differences(parameters: Sequence[str]) -> Array:
@@ -50,7 +63,7 @@ def smoothest(fitted: Callable[[float, Fit | None], Fit], noise: float | None) -
     return found[k], f"smoothness {WEIGHTS[k]:.2g}, at the corner of the L-curve"
 
 
-def misfit(found: Fit) -> float:
+def misfit(found: Fitted) -> float:
     """Return the root mean square distance over all ages; m."""
     return float(np.sqrt(np.mean(np.square(list(found.misfits.values())))))
 
