@@ -20,7 +20,7 @@ APART = ("figure3", "tension_placement")  # whose numbers are examined as well
 
 def data_or_skip(path):
     """Skip the case whose input is the user's own, where it is not there."""
-    if path.stem == "ferret_outlines" and not load_case(path).module.FOLDER.is_dir():
+    if path.stem in ("ferret_outlines", "inverse_ferret") and not load_case(path).module.FOLDER.is_dir():
         pytest.skip("the ferret outlines are not here")
 
 

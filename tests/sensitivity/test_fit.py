@@ -18,7 +18,7 @@ from turingfold import (
     semicircle,
     simulate,
 )  # fmt: skip
-from turingfold.sensitivity.distance import signed_distance
+from turingfold.morphometry.distance import signed_distance
 from turingfold.sensitivity.fit import fit
 from turingfold.sensitivity.smoothing import corner
 

@@ -21,6 +21,8 @@ from ..arrays import Array
 from ..checks import instance
 from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
+from ..morphometry.distance import sampled, signed_distance, through
+from ..morphometry.pose import posed, without_rigid
 from ..parts import TimeStep
 from ..results.files import write_whole
 from ..results.surface import along_pial, pial_closed
@@ -29,8 +31,6 @@ from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
 from ..studies.sweep import with_value
-from .alignment import aligned, without_rigid
-from .distance import sampled, signed_distance, through
 from .forward import Tangent
 from .parameters import change, check_path, number_of
 from .smoothing import SPLINE, second_differences, smoothest
@@ -249,7 +249,7 @@ class _Inverse:
         closed, points, weights = pial_closed(self.scene.body), self._pial(x), self._weights()
         if self.scene.body.supported.size == 0:
             target = self.targets[age]
-            return aligned(points, weights, lambda at: signed_distance(at, target, closed=closed))
+            return posed(points, weights, lambda at: signed_distance(at, target, closed=closed))
         distance, normal = signed_distance(points, self.targets[age], closed=closed)
         return distance * weights, normal, np.zeros((len(weights), 0))
 

@@ -8,10 +8,13 @@ of it that another move or turn takes back.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
+from .distance import signed_distance
+from .polyline import as_polyline
 
 ROUNDS = 30
 STILL = 1e-12  # move or turn, in the size of the curve, that ends them
@@ -19,7 +22,7 @@ STILL = 1e-12  # move or turn, in the size of the curve, that ends them
 Distances = Callable[[Array], tuple[Array, Array]]  # points (2, n) -> distances (n,), their gradients (2, n)
 
 
-def aligned(points: Array, weights: Array, distances: Distances) -> tuple[Array, Array, Array]:
+def posed(points: Array, weights: Array, distances: Distances) -> tuple[Array, Array, Array]:
     """Return the distances of a curve laid on its target, their gradients, and which of them are rigid.
 
     points: (2, n).  weights: of the distances, (n,).
@@ -45,3 +48,19 @@ def aligned(points: Array, weights: Array, distances: Distances) -> tuple[Array,
 def without_rigid(rows: Array, rigid: Array) -> Array:
     """Return weighted changes of distances, (n,) or (n, p), without what a move or a turn takes back."""
     return np.asarray(rows - rigid @ (rigid.T @ rows))
+
+
+def outline_distance(points: Any, target: Any, *, closed: bool | None = None) -> float:
+    """Return the mean distance, m, of a curve from another one that it is moved and turned to lie closest to.
+
+    points, target: (2, n) and (2, m); m. The mean over the length of the first, ∫ |d| ds / L.
+    Raises ValueError as `as_polyline`.
+    """
+    curve, other = as_polyline(points, closed), as_polyline(target, closed, "target")
+    lengths = curve.lengths if curve.closed else np.append(curve.lengths, 0.0)
+    shares = 0.5 * (lengths + np.roll(lengths, 1)) / curve.length
+    weights = np.sqrt(shares)
+    found, _, _ = posed(
+        curve.points, weights, lambda at: signed_distance(at, other.points, closed=other.closed)
+    )
+    return float(np.sum(np.abs(found) * weights))
