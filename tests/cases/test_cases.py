@@ -170,10 +170,7 @@ def test_hypotheses_differ_by_one_thing_each_and_growth_is_in_all_eight():
 def test_scenes_start_and_can_be_stored(path):
     data_or_skip(path)
     case = load_case(path)
-    quick = case.scenes({}, quick=True)
-    if path.stem != "ferret_stages":  # whose scenes are made from results: test_ferret grows them
-        assert case.scenes({}, quick=False)
-    name, scene = next(iter(quick.items()))
+    name, scene = next(iter(case.scenes({}, quick=True).items()))
     document, arrays = stored(scene)
     again = decode(json.loads(json.dumps(document["scene"], allow_nan=False)), arrays, known=case.known)
     assert again.processes == scene.processes
@@ -181,6 +178,13 @@ def test_scenes_start_and_can_be_stored(path):
     steps, until = replace(scene.stepping, stops=()), scene.until * scene.stepping.first
     first = replace(scene, until=until, stepping=steps)
     assert simulate(first).summary()["converged"] is True, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [path for path in CASES if path.stem != "ferret_stages"], ids=lambda path: path.stem)
+def test_scenes_are_made_in_full_size(path):  # those of ferret_stages are made from results: test_ferret
+    data_or_skip(path)
+    assert load_case(path).scenes({}, quick=False)
 
 
 def check_run(path, out):

@@ -400,7 +400,7 @@ def assert_same_result(folder, other):
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole") / "out"
-    run(folder)
+    simulate(folding_scene(), folder, frames=4)
     return folder
 
 
@@ -413,7 +413,7 @@ def test_a_killed_run_goes_on_to_the_last_bit(tmp_path, uninterrupted, kill):
     run(out, kill=kill, status=-signal.SIGKILL)
     assert len(numbers(out)) == kill
     assert not (out / "summary.json").exists()
-    run(out, resume=True)
+    simulate(folding_scene(), out, resume=True, frames=4)
     assert_same_result(out, uninterrupted)
 
 
@@ -497,7 +497,7 @@ def test_a_full_disk_keeps_what_was_written(tmp_path, uninterrupted):
         read_arrays(file)
     assert not list(out.rglob("*.part"))
     assert len(numbers(out)) == 11
-    run(out, resume=True)
+    simulate(folding_scene(), out, resume=True, frames=4)
     assert_same_result(out, uninterrupted)
 
 

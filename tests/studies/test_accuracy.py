@@ -113,12 +113,19 @@ def test_other_numbers_of_sulci_are_pointed_out():
     assert "differs" in "\n".join(told({"mesh": [trial, replace(trial, finer=2, folds=4)]}))
 
 
-def test_the_command_writes_table_and_figure(tmp_path, monkeypatch, capsys):
+def test_the_command_writes_table_and_figure_of_whole_runs_only(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.py").write_text(CASE)
-    assert main(["accuracy", "small.py"]) == 0
-    told_ = capsys.readouterr().out
     folder = tmp_path / "results" / "small-accuracy"
+    folder.mkdir(parents=True)
+    made = folder / "accuracy.csv", folder / "small-accuracy.png"
+    for file in made:
+        file.write_text("of an earlier run")
+    (tmp_path / "small.py").write_text(CASE.replace("largest=0.5", "largest=0.5, seconds=1e-6"))
+    assert main(["accuracy", "small.py"]) == 3
+    assert not any(file.exists() for file in made)
+    (tmp_path / "small.py").write_text(CASE)
+    assert main(["accuracy", "small.py", "--resume"]) == 0
+    told_ = capsys.readouterr().out
     assert (folder / "small-accuracy.png").read_bytes().startswith(b"\x89PNG")
     with (folder / "accuracy.csv").open(newline="") as table:
         rows = list(csv.DictReader(table))
@@ -129,7 +136,6 @@ def test_the_command_writes_table_and_figure(tmp_path, monkeypatch, capsys):
     errors = [float(row["energy_error"]) for row in rows[:2]]
     assert errors[0] > errors[1] == 0.0
     assert f"{errors[0]:.1e}" in told_
-    assert main(["accuracy", "small.py", "--resume"]) == 0  # nothing is run again
 
 
 def test_an_interrupted_run_says_how_to_go_on(tmp_path, monkeypatch, capsys):
@@ -144,17 +150,6 @@ def test_an_interrupted_run_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     assert main(words) == 130
     command = " ".join(capsys.readouterr().err.split()).partition("Go on with: ")[2]
     assert shlex.split(command) == ["turingfold", *words, "--resume"]
-
-
-def test_a_stopped_run_leaves_no_table_of_an_earlier_one(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.py").write_text(CASE)
-    words = ["accuracy", "small.py", "--steps", "0"]
-    assert main(words) == 0
-    (tmp_path / "small.py").write_text(CASE.replace("largest=0.5", "largest=0.5, seconds=1e-6"))
-    assert main([*words, "--overwrite"]) == 3
-    assert not list((tmp_path / "results" / "small-accuracy").glob("*.csv"))
-    assert not list((tmp_path / "results" / "small-accuracy").glob("*.png"))
 
 
 def test_an_interrupt_before_the_start_is_no_crash(tmp_path, monkeypatch, capsys):
