@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from itertools import chain
 from pathlib import Path
 
@@ -49,10 +50,15 @@ def part(path):
     return path.relative_to(PACKAGE).with_suffix("").parts[0]
 
 
+@cache
+def parsed(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(path):
     """Return the parts of the package that a file imports, wherever in it."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parent
             for _ in range(node.level - 1):
@@ -80,7 +86,7 @@ def test_imports_run_one_way():
 def targets(path):
     """Return the files of the package that a file imports, wherever in it."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             for name in node.names:
@@ -104,7 +110,7 @@ def test_the_top_of_the_package_stays_small():
 def test_heavy_packages_are_imported_where_they_are_used():
     contact = {PACKAGE / "terms" / f"{name}.py" for name in ("contact", "walls")}  # which import it
     for path in set(modules()) - contact:
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in parsed(path).body:
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
             assert not {name.split(".")[0] for name in names} & set(HEAVY), path
@@ -118,7 +124,7 @@ def test_every_folder_is_installed():
 def test_folders_define_nothing():
     for path in PACKAGE.rglob("__init__.py"):
         if path.parent != PACKAGE:
-            docstring, *rest = ast.parse(path.read_text(encoding="utf-8")).body
+            docstring, *rest = parsed(path).body
             assert isinstance(docstring, ast.Expr), path
             assert all(isinstance(node, ast.ImportFrom) and node.level for node in rest), path
 
@@ -150,7 +156,7 @@ def test_every_package_imported_is_declared():
     declared = {re.match(r"[\w-]+", words)[0] for words in asked}
     names = {"skfem": "scikit-fem", "PIL": "pillow", "lazy_loader": "lazy-loader"}
     for path in PACKAGE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             found = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             found += [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
             for name in {name.split(".")[0] for name in found} - sys.stdlib_module_names:

@@ -72,7 +72,8 @@ def scenes(quick=False):
 
 def draw(results, figure):
     figure.set_size_inches(2, 1)
-    axes = figure.add_subplot()
+    figure.set_layout_engine("none")  # it takes long
+    axes = figure.add_axes((0, 0, 1, 1))
     axes.set_axis_off()
     for result in results.values():
         axes.plot(*result.pial())
@@ -89,7 +90,7 @@ def written(tmp_path, monkeypatch):
     """Return a function that writes the case with given parts; the working folder is empty else."""
     monkeypatch.chdir(tmp_path)
 
-    def write(parts, name="tiny.py", step=0.1):
+    def write(parts, name="tiny.py", step=0.25):
         (tmp_path / name).write_text(CASE.replace("PARTS", parts).replace("STEP", str(step)))
         return name
 
@@ -231,7 +232,7 @@ def test_a_stopped_solve_is_status_3_and_the_rest_is_done(written, tmp_path, cap
 
 
 def test_ctrl_c_is_status_130_and_says_how_to_go_on(written, tmp_path, capsys):
-    case = written(INTERRUPTED)
+    case = written(INTERRUPTED, step=0.1)
     assert main(["run", case, "--out", "there"]) == 130
     assert f"turingfold run {case} --out there --resume" in unwrapped(capsys)
     summary = json.loads((tmp_path / "there/tiny/interrupted/summary.json").read_text())

@@ -153,7 +153,8 @@ def computed(results):
 
 
 def draw(results, figure, computed):
-    axes = figure.add_subplot()
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0, 0, 1, 1))
     axes.set_axis_off()
     axes.plot(computed["line"])
 '''

@@ -34,7 +34,8 @@ def scenes(
 
 
 def draw(results, figure):
-    figure.add_subplot().plot(*results["only"].pial())
+    figure.set_layout_engine("none")
+    figure.add_axes((0, 0, 1, 1)).plot(*results["only"].pial())
 '''
 PLAIN = '''"""A case without parameters."""
 from turingfold import Elastic, NeoHookean, Scene, semicircle

@@ -185,7 +185,7 @@ def test_the_growing_strip_buckles_as_computed_independently(case):
 
 
 def test_the_threshold_depends_neither_on_the_steps_nor_on_the_units():
-    fine = buckling(grown(disc(0.2, 2), stepping=Stepping(first=0.03, largest=0.03)))
+    fine = buckling(grown(disc(0.2, 2), stepping=Stepping(first=0.05, largest=0.05)))
     scaled = buckling(grown(disc(0.2, 2, radius=0.04), term=Elastic(gray=NeoHookean(mu=476.0, kappa=2380.0))))
     coarse = buckling(grown(disc(0.2, 2)))
     assert fine.growth == pytest.approx(coarse.growth, rel=1e-4)
@@ -207,9 +207,9 @@ def test_half_a_body_buckles_into_the_even_modes():
 
 
 def final(scene, progress, until):
-    """Return the last step of a march from `progress` to the time `until`."""
+    """Return the last step of a march from `progress` to the time `until`, and where to go on."""
     scene = replace(scene, until=until, stepping=Stepping(first=0.05, largest=0.05))
-    return list(march(scene, progress))[-1][0]
+    return list(march(scene, progress))[-1]
 
 
 def test_the_branch_of_a_stiff_cortex_is_a_pitchfork():
@@ -223,7 +223,7 @@ def test_the_branch_of_a_stiff_cortex_is_a_pitchfork():
         energy = sum(potential.evaluate(straight.x).energy for potential in potentials)
         assert straight.negative > 0
         for sign in (1, -1):
-            last = final(scene, found.switched(sign * 0.02, dt), found.time + dt)
+            last, _ = final(scene, found.switched(sign * 0.02, dt), found.time + dt)
             assert last.numbers["negative_pivots"] == 0
             moved = last.state["displacement"] - straight.state["displacement"]
             along = (moved * found.shape)[:, pial].sum() / (found.shape[:, pial] ** 2).sum()
@@ -239,9 +239,9 @@ def test_half_a_clamped_disc_ends_at_a_limit_point_from_which_it_snaps():
     found = buckling(scene)
     assert found.limit
     assert 0 < found.remaining_stiffness < 0.02
-    jumps = []
+    jumps, progress = [], begin(scene)
     for time in (found.time - 0.005, found.time + 0.005):
-        last = final(scene, begin(scene), time)
+        last, progress = final(scene, progress, time)
         assert last.numbers["negative_pivots"] == 0
         jumps.append(np.abs(last.state["displacement"] - found.state["displacement"]).max())
     assert jumps[1] > 4 * jumps[0]

@@ -150,11 +150,17 @@ def test_the_smallest_gap_is_the_one_between_the_walls():
     assert potential.evaluate(closed(body, 0.021)).measure()["min_gap"] == pytest.approx(0.021, rel=1e-9)
 
 
+@pytest.fixture(scope="module")
+def slot():
+    """A slotted body and its contact, at rest."""
+    body = slotted()
+    return body, SelfContact().on(body).during(state_of(body), STEP)
+
+
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10_000), size=st.floats(0.01, 10.0))
-def test_no_step_within_the_bound_makes_walls_cross(seed, size):
-    body = slotted()
-    potential = SelfContact().on(body).during(state_of(body), STEP)
+def test_no_step_within_the_bound_makes_walls_cross(slot, seed, size):
+    body, potential = slot
     rng = np.random.default_rng(seed)
     side = np.sign(body.nodes[0] - 1 - SLOT / 2) * np.clip(2 * body.nodes[1] - 1, 0.0, 1.0)
     d = [[1.0], [0.2]] * rng.standard_normal((2, 1)) * side + 0.002 * rng.standard_normal(body.nodes.shape)

@@ -94,15 +94,22 @@ def test_a_step_ends_before_the_walls_meet(opening):
     assert share == pytest.approx(0.45, rel=1e-9)
 
 
+@pytest.fixture(scope="module")
+def walls():
+    """A block and its contact, at rest."""
+    body = block()
+    return body, SelfContact().on(body).during(state_of(body), STEP)
+
+
 @settings(derandomize=True, max_examples=30, deadline=None)
 @given(seed=st.integers(0, 10_000), opening=st.floats(0.05, 0.6), size=st.floats(0.01, 1.0))
-def test_no_step_within_the_bound_makes_neighbouring_edges_cross(seed, opening, size):
-    body = block()
+def test_no_step_within_the_bound_makes_neighbouring_edges_cross(walls, seed, opening, size):
+    body, contact = walls
     start = folded(body, opening)
     noise = 0.05 * np.random.default_rng(seed).standard_normal(start.size)
     d = size * (folded(body, -opening) - start + noise)
     d[~np.isin(np.arange(start.size) // 2, body.pial)] = 0.0
-    bound = SelfContact().on(body).during(state_of(body), STEP).evaluate(start).largest_step(d)
+    bound = contact.evaluate(start).largest_step(d)
     assert 0 < bound <= 1
     for share in (0.3, 0.6, 1.0):
         assert self_intersections(pial(body, start + share * bound * d), closed=False, quadratic=True) == 0
