@@ -139,12 +139,12 @@ def test_midpoint_is_of_second_order_with_growth(terms):
     ends = []
     body = semicircle(radius=1.0, thickness=0.3, size=0.3, layers="sigmoid")
     solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
-    for steps in (20, 40, 80):  # waves through an element take 0.1
+    for steps in (40, 80, 160):  # waves through an element take 0.1
         made = Scene(
             body=body,
             terms=(solid, *terms),
             processes=(TangentialGrowth(cortex=1.3),),
-            until=0.2,
+            until=0.4,
             stepping=Stepping(first=1 / steps, largest=1 / steps, tolerance=1e-12, scheme="midpoint"),
         )
         ends.append(list(march(made, begin(made)))[-1][0].x)
