@@ -275,6 +275,7 @@ def test_stop_and_go_on_is_the_run_without_a_stop(visitor, here):
     np.testing.assert_array_equal(again["displacement"], whole.last["displacement"])
 
 
+@pytest.mark.slow
 def test_two_visitors_have_runs_of_their_own_and_no_more_than_may_be(here):
     with served(here / "tiny.py", here / "few", most=2) as one:
         runs = [one.begin(SLOW), one.begin(SLOW, scene="half")]
@@ -290,6 +291,7 @@ def test_two_visitors_have_runs_of_their_own_and_no_more_than_may_be(here):
         assert {one["id"] for one in again.table("runs")} == set(runs)
 
 
+@pytest.mark.slow
 def test_a_run_outlives_a_server_that_is_killed_and_obeys_the_next(here):
     words = ["app", "tiny.py", "--no-open", "--port", "0", "--folder", "crash"]
     server = subprocess.Popen(

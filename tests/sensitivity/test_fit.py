@@ -115,6 +115,7 @@ def test_the_corner_of_a_curve_is_found():
     assert corner(x, y) == 3
 
 
+@pytest.mark.slow
 def test_smoothness_joins_neighbours(targets):
     stiff = fit(scene((1.2,) * 5), targets, NAMES, smoothness=10.0)
     assert np.abs(np.diff(stiff.values, 2)).max() < 0.2 * np.abs(np.diff(HIDDEN, 2)).max()

@@ -67,12 +67,12 @@ def check(made, step):
 
 
 SCENES = {
-    "compressible": {"poisson": 0.3},
     "thick": {"share": 0.3},
-    "shrinking to a third": {"growth": 0.33},
     "stiff core": {"ratio": 1e3},
 }
 SLOW = {
+    "compressible": {"poisson": 0.3},
+    "shrinking to a third": {"growth": 0.33},
     "no noise, no load": {"tension": 0.0},
     "growth of 4": {"growth": 4.0},
     "pushing": {"tension": -TENSION},

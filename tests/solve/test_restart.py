@@ -31,6 +31,7 @@ SCENES = {
     "midpoint": (SOLID, Inertia(density=0.05), Drag(coefficient=0.5)),
     "mixed": (MIXED, Drag(coefficient=0.5)),
 }
+SLOW = ("within an error", "midpoint", "mixed")
 
 
 def stored(progress, file):
@@ -45,7 +46,7 @@ def numbers(step):
 @pytest.mark.parametrize(
     ("name", "solver"),
     [
-        *((name, "auto") for name in SCENES),
+        *(pytest.param(name, "auto", marks=pytest.mark.slow if name in SLOW else ()) for name in SCENES),
         ("contact", "superlu"),  # one scene of them here, the others are slow
         *(pytest.param(name, "superlu", marks=pytest.mark.slow) for name in SCENES if name != "contact"),
     ],

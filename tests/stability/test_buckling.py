@@ -234,6 +234,7 @@ def test_the_branch_of_a_stiff_cortex_is_a_pitchfork():
     assert np.array(gains[2:]) / gains[:2] == pytest.approx(4.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_half_a_clamped_disc_ends_at_a_limit_point_from_which_it_snaps():
     scene = grown(half(disc(0.2, 2, "clamped")))
     found = buckling(scene)

@@ -133,7 +133,13 @@ def test_unknown_scheme():
         Stepping(scheme="leapfrog")
 
 
-@pytest.mark.parametrize("terms", [(Inertia(density=1.0), Drag(coefficient=0.2)), (Drag(coefficient=1.0),)])
+@pytest.mark.parametrize(
+    "terms",
+    [
+        (Inertia(density=1.0), Drag(coefficient=0.2)),
+        pytest.param((Drag(coefficient=1.0),), marks=pytest.mark.slow),
+    ],
+)
 def test_midpoint_is_of_second_order_with_growth(terms):
     """Growth, like every load, is that of the time at which forces balance."""
     ends = []
