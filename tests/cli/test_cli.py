@@ -420,6 +420,14 @@ def test_compare_puts_results_side_by_side(written, tmp_path, capsys):
     assert "gyrification index" in out
     assert (tmp_path / "c.png").exists()
     assert main(["compare", folders[0], str(tmp_path)]) == 2
+    assert main(["compare", folders[0], "results/tiny"]) == 2
+    assert "holds several results; name one of results/tiny/first-one" in unwrapped(capsys)
+    (tmp_path / "results/tiny/tiny.png").unlink()
+    for folder in ("results/tiny", folders[0]):
+        assert main(["draw", folder]) == 0
+        assert (tmp_path / "results/tiny/tiny.png").exists()
+    assert main(["draw", str(tmp_path)]) == 2
+    assert "holds no results of a case; name a case" in unwrapped(capsys)
 
 
 def test_threads_are_set_before_numpy_is_imported(tmp_path):

@@ -215,11 +215,16 @@ def test_comparison_holds_the_measures_of_both():
     assert np.isnan(both["self-intersections"].ratio)
     assert both.similarity["1"] == similarity(a, b, 1)
     lines = both.text().splitlines()
+    lines, words = lines[:-2], " ".join(lines[-2:])
+    assert "p: which mean of the differences counts (1: mean, 2: root mean square, inf: largest)" in words
     assert len({len(line) for line in lines[:-3]}) == 1
     assert lines[0].split() == ["six", "twelve", "twelve", "/", "six"]
     assert any(line.split() == ["folds", "6", "12", "2.000"] for line in lines)
     for line, p in zip(lines[-3:], (1, 2, np.inf), strict=True):
         assert line == f"similarity, p = {p}  {similarity_null(a, b, p)}"
+    long = compare(a, b, names=("six", "a/folder/of/twelve"), unit="mm").text().splitlines()
+    assert long[:2] == ["A: six", "B: a/folder/of/twelve"]
+    assert long[2].split() == ["A", "B", "B", "/", "A"]
     with pytest.raises(KeyError, match="known are 'length'"):
         both["sulci"]
 

@@ -100,9 +100,11 @@ def _animate(options: argparse.Namespace) -> int:
     from ..figures.animation import animate
     from ..results.result import load
     from .case import named_parts
+    from .tools import scene_folder
 
-    file = options.figure or options.result / "film.gif"
-    result = load(options.result, known=named_parts(options.parts))
+    folder = scene_folder(options.result)
+    file = options.figure or folder / "film.gif"
+    result = load(folder, known=named_parts(options.parts))
     say(f"film: {animate(result, file, field=options.field, rate=options.rate)}")
     return 0
 

@@ -201,7 +201,7 @@ def _add_cases(
 def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that show stored results."""
     film = commands.add_parser("animate", parents=[common], help="a film of a stored result")
-    film.add_argument("result", type=Path, metavar="FOLDER", help="of one scene's result")
+    film.add_argument("result", type=Path, metavar="FOLDER", help="of the results of a scene")
     film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
     film.add_argument("--field", default="von_mises", metavar="NAME", help="von_mises, pressure or jacobian")
     film.add_argument("--rate", type=_at_least_one, default=8, metavar="N", help="states per second (8)")

@@ -7,12 +7,14 @@ import warnings
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..figures.sections import areas
 from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
+from ..results.files import read_json
 from ..results.folder import check_folder
 from ..results.result import Result, Row, read_result
 from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
@@ -127,6 +129,7 @@ def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
 
 def draw(request: Request) -> Path:
     """Draw a case's figure from its stored results and return where it is; raises ValueError without them."""
+    request = _named(request)
     case = find_case(request.case)
     base = base_folder(case, request)
     names, changed = stored_names(case, base)
@@ -138,6 +141,18 @@ def draw(request: Request) -> Path:
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: read_result(base / folder_name(name), known=case.known) for name in names}
     return drawn(case, results, request, apart=changed)
+
+
+def _named(request: Request) -> Request:
+    """Return the request by the name of its case where a folder of results is given: of a case or a scene."""
+    given = Path(request.case)
+    if not given.is_dir():
+        return request
+    base = given.parent if (given / "scene.json").exists() else given
+    told = next((read_json(file).get("case") for file in sorted(base.glob("*/scene.json"))), None)
+    if not isinstance(told, dict) or told.get("name") != base.name:
+        raise ValueError(f"{given} holds no results of a case; name a case, or DIR/<case> of turingfold run.")
+    return replace(request, case=base.name, out=base.parent, quick=bool(told.get("quick")))
 
 
 def drawn(case: Case, results: dict[str, Result], request: Request, *, apart: bool) -> Path:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .figure import save_figure
 from .request import Assignments
 
@@ -58,22 +60,33 @@ def stability(asked: Stability) -> str:
 def compare(
     a: Path, b: Path, figure: Path | None, landmarks: Path | None = None, *, known: tuple[Any, ...] = ()
 ) -> str:
-    """Return the morphometry of two results or outlines as a table; draw one on the other on request."""
+    """Return the morphometry of two results or outlines as a table; draw one on the other on request.
+
+    Lengths are in mm where both are no longer than brains in m.
+    """
     from ..morphometry.compare import compare as compared
     from ..morphometry.compare import draw_comparison
     from ..morphometry.landmarks import read_landmarks
+    from ..results.units import BRAIN
 
     names = (a.name, b.name) if a.name != b.name else (str(a), str(b))
     (one, start_a, thickness_a), (other, start_b, thickness_b) = (_curve(path, known) for path in (a, b))
     given = {thickness_a, thickness_b} - {None}
     thickness = given.pop() if len(given) == 1 else None
+    longest = max(np.ptp(curve, axis=1).max() for curve in (one, other))
+    scale, unit = (1e3, "mm") if longest < BRAIN else (1.0, "m")
+
+    def scaled(start: Array | None) -> Array | None:
+        return None if start is None else scale * start
+
     table = compared(
-        one,
-        other,
+        scale * one,
+        scale * other,
         names=names,
-        thickness=thickness,
-        starts=(start_a, start_b),
+        thickness=None if thickness is None else scale * thickness,
+        starts=(scaled(start_a), scaled(start_b)),
         landmarks=None if landmarks is None else read_landmarks(landmarks, one, other),
+        unit=unit,
     ).text()
     if figure is None:
         return table
@@ -90,5 +103,18 @@ def _curve(path: Path, known: tuple[Any, ...]) -> tuple[Array, Array | None, flo
         return read_outline(path).single(), None, None
     from ..results.result import load
 
-    result = load(path, known=known)
+    result = load(scene_folder(path), known=known)
     return result.pial(), result.pial(0), result.scene.body.thickness
+
+
+def scene_folder(path: Path) -> Path:
+    """Return the folder of a scene's result: the one that is named, or the only one in that of a case.
+
+    Raises ValueError where a case's folder holds several.
+    """
+    if (path / "scene.json").exists():
+        return path
+    found = sorted(file.parent for file in path.glob("*/scene.json"))
+    if len(found) > 1:
+        raise ValueError(f"{path} holds several results; name one of {', '.join(map(str, found))}.")
+    return found[0] if found else path

@@ -20,6 +20,11 @@ from .walls import self_intersections
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+WIDE = 16  # letters of the longest name that heads a column
+EXPLAINED = (
+    "similarity: 1 for curves bent alike everywhere; p: which mean of the differences counts (1: mean, 2: "
+    "root mean\nsquare, inf: largest). In brackets what chance gives: curves with folds of their own."
+)
 COLORS = ("#0072b2", "#d55e00")  # Okabe and Ito: told apart by the colour-blind
 
 
@@ -60,17 +65,20 @@ class Comparison:
         raise KeyError(f"{name!r} is not measured; known are {known}")
 
     def text(self) -> str:
-        """Return the table as aligned lines of text."""
-        head = ("", *self.names, f"{self.names[1]} / {self.names[0]}")
-        rows = [head]
+        """Return the table as aligned lines of text; long names are above it, for A and B."""
+        short = max(map(len, self.names)) <= WIDE
+        a, b = self.names if short else ("A", "B")
+        lines = [] if short else [f"{own}: {name}" for own, name in zip((a, b), self.names, strict=True)]
+        rows = [("", a, b, f"{b} / {a}")]
         for m in self.measures:
             numbers = _shown(m.a, ".4g"), _shown(m.b, ".4g"), _shown(m.ratio, ".3f")
             rows.append((f"{m.name}, {m.unit}" if m.unit else m.name, *numbers))
         widths = [max(len(row[k]) for row in rows) for k in range(4)]
         template = f"{{:<{widths[0]}}}  " + "  ".join(f"{{:>{width}}}" for width in widths[1:])
-        lines = [template.format(*row) for row in rows]
+        lines += [template.format(*row) for row in rows]
         lines += [f"landmark {name}: at {a:.3f} and {b:.3f} of the arcs" for name, a, b in self.landmarks]
-        return "\n".join([*lines, *(f"similarity, p = {p}  {null}" for p, null in self.nulls.items())])
+        lines += [f"similarity, p = {p}  {null}" for p, null in self.nulls.items()]
+        return "\n".join([*lines, EXPLAINED])
 
 
 def compare(

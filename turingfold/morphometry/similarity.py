@@ -90,7 +90,8 @@ class SimilarityNull:
         says = [] if self.value > self.circle else ["less than a circle"]
         says += ["less than before it grew"] if self.start is not None and self.value <= self.start else []
         says += ["no more than by chance"] if self.foldings.p > 0.05 else []
-        chance = f"random foldings {low:.3f} to {high:.3f}, p = {self.foldings.p:.3f}"
+        share = f"{100 * self.foldings.p:.0f} % of them as similar"
+        chance = f"random foldings {low:.3f} to {high:.3f}, {share}"
         verdict = f": {' and '.join(says)}" if says else ""
         return f"{self.value:.3f} (best circle {self.circle:.3f}{start}, {chance}){verdict}"
 
