@@ -89,7 +89,8 @@ def stage(scene, side, number):
 def fitted(scene, side):
     """Return the fit to stages 2 and 3, begun with a little uniform growth."""
     targets = {time: points for points, time in (stage(scene, side, k) for k in (2, 3))}
-    start = replace(scene, processes=(GrowthMap(cortex=(1.2,) * PLACES), TangentialGrowth(cortex=1.0, core=1.01)))
+    uniform = GrowthMap(cortex=(1.2,) * PLACES), TangentialGrowth(cortex=1.0, core=1.01)
+    start = replace(scene, processes=uniform)
     names = [*(f"GrowthMap.cortex.{k}" for k in range(PLACES)), "TangentialGrowth.core"]
     return fit(start, targets, names, bounds=(0.5, 4.0), smoothness=SMOOTH, tolerance=1e-4)
 
