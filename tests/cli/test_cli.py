@@ -97,17 +97,18 @@ def written(tmp_path, monkeypatch):
     return write
 
 
-def test_run_writes_results_figure_and_six_lines(written, tmp_path, capsys):
+def test_run_writes_results_figure_and_seven_lines(written, tmp_path, capsys):
     assert main(["run", written(GROWS)]) == 0
     out, err = capsys.readouterr()
     assert "note: only 1 element(s) through the cortex" in err
     assert len(err.splitlines()) == 1  # the bar is for terminals
     lines = out.splitlines()
-    assert len(lines) == 7  # six and the figure
+    assert len(lines) == 8  # seven and the figure
     assert lines[0].startswith("tiny, grows: reached the end at growth 1.20")
     assert lines[1] == "folds: 0 sulci; gyrification index 1.00"
-    assert lines[3] == "pattern: no pattern"
-    assert lines[4].startswith("grown: area 1.")
+    assert lines[2].startswith("errors of the mesh, estimated: pial length ")
+    assert lines[4] == "pattern: no pattern"
+    assert lines[5].startswith("grown: area 1.")
     assert (tmp_path / "results/tiny/tiny.png").read_bytes().startswith(b"\x89PNG")
     assert json.loads((tmp_path / "results/tiny/grows/summary.json").read_text())["converged"] is True
 

@@ -30,6 +30,7 @@ from turingfold.cli.run import told
 from turingfold.extend import Evolution, Process
 
 KEYS = {
+    "perimeter", "errors", "no_errors",
     "status", "message", "time", "area_growth", "cortex_growth", "core_growth", "centre_growth",
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",

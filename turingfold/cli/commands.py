@@ -19,7 +19,7 @@ def _request(options: argparse.Namespace, *command: str) -> Request:
 
 
 def _running(options: argparse.Namespace) -> Running:
-    return Running(options.resume, options.overwrite, options.jobs)
+    return Running(options.resume, options.overwrite, options.jobs, options.errors)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -146,6 +146,13 @@ def _verify(options: argparse.Namespace) -> int:
     return verify(checks(options.problems, full=options.full), options.out)
 
 
+def _atlas(options: argparse.Namespace) -> int:
+    from .atlas import atlas
+
+    counts = {"mechanics": options.mechanics, "pattern": options.patterns, "march": options.marches}
+    return atlas(options.out, counts, seed=options.seed, seconds=options.seconds, jobs=options.jobs)
+
+
 def _compare(options: argparse.Namespace) -> int:
     from .case import named_parts
     from .tools import compare
@@ -172,4 +179,5 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "stability": _stability,
     "buckling": _buckling,
     "verify": _verify,
+    "atlas": _atlas,
 }

@@ -51,6 +51,9 @@ def _run_arguments() -> argparse.ArgumentParser:
     there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
     there.add_argument("--overwrite", action="store_true", help="replace results that are there")
     found.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+    found.add_argument(
+        "--no-errors", action="store_false", dest="errors", help="do not estimate how far the numbers are off"
+    )
     return found
 
 
@@ -255,6 +258,24 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     verify.add_argument("--full", action="store_true", help="also orders of convergence and slow problems")
     verify.add_argument("--out", type=Path, metavar="FILE.csv", help="write the table there")
     verify.set_defaults(command="verify")
+
+    atlas = commands.add_parser(
+        "atlas", parents=[common], help="where the program works: random scenes, judged independently",
+        description="Run random scenes within a time limit each, judge what is said to be valid by code that "
+        "is not the solver's, and draw where they are valid and where they stop. A later call goes on with "
+        "the folder's tables. The exit status is 3 for a result that says it is valid and is not, for an "
+        "untyped error, and for a scene that hangs.",
+    )  # fmt: skip
+    for word, count, said in (
+        ("mechanics", 300, "folding scenes"), ("patterns", 120, "steady patterns"),
+        ("marches", 60, "patterns in time"),
+    ):  # fmt: skip
+        atlas.add_argument(f"--{word}", type=_number, default=count, metavar="N", help=f"{said} ({count})")
+    atlas.add_argument("--seed", type=_number, default=0, metavar="N", help="of what is drawn (0)")
+    atlas.add_argument("--seconds", type=_at_least_one, default=20, metavar="S", help="for each scene (20)")
+    atlas.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+    atlas.add_argument("--out", type=Path, default=Path("results/atlas"), metavar="DIR", help="results/atlas")
+    atlas.set_defaults(command="atlas")
 
 
 def _at_least_one(text: str) -> int:

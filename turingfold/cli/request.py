@@ -42,8 +42,9 @@ class Request:
 
 @dataclass(frozen=True)
 class Running:
-    """How scenes are run: what becomes of earlier results, and how many run at a time."""
+    """How scenes are run: what becomes of earlier results, how many at a time, and if errors are told."""
 
     resume: bool = False
     overwrite: bool = False
     jobs: int = 1
+    errors: bool = True

@@ -18,7 +18,7 @@ from ..results.files import read_json
 from ..results.folder import check_folder
 from ..results.result import Result, Row, read_result
 from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
-from ..results.units import length_unit
+from ..results.units import length_unit, with_error
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure
@@ -37,6 +37,7 @@ from .status import Interrupted, complain, say
 from .table import write_case_table
 from .workers import Job, Report, run_jobs
 
+LENGTH = {"perimeter": "pial length"}
 BENT = 0.02  # difference of the two gyrification indices from which both are told
 
 
@@ -110,8 +111,9 @@ def _outcomes(
         with progress(ends) as report:
             yield from run_jobs(jobs, running, report)
     except KeyboardInterrupt as error:
-        at_a_time = ("--jobs", str(running.jobs)) if running.jobs > 1 else ()
-        raise Interrupted(request.words(*at_a_time, "--resume")) from error
+        how = ["--jobs", str(running.jobs)] if running.jobs > 1 else []
+        how += [] if running.errors else ["--no-errors"]
+        raise Interrupted(request.words(*how, "--resume")) from error
 
 
 def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
@@ -198,7 +200,7 @@ def progress(ends: Mapping[str, float]) -> Iterator[Report]:
 
 
 def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
-    """Yield what a person wants to know: six or seven lines for one scene, a line each for several.
+    """Yield what a person wants to know: seven or eight lines for one scene, a line each for several.
 
     Lengths are in mm, or in cortical thicknesses for bodies in units of their own (`results.length_unit`).
     """
@@ -208,7 +210,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         for name, s in summaries.items():
             yield (
                 f"{name:<{width}}  growth {s['growth']:.2f}  {sulci(s['folds']):>9}  gyrification "
-                f"{s['gyrification_index']:.2f}  {_gyri(s['registration'])}  {s['steps']} steps, "
+                f"{_index(s)}  {_gyri(s['registration'])}  {s['steps']} steps, "
                 f"{s['seconds']:.0f} s{'' if s['converged'] else '  ' + s['status'].upper()}"
                 f"{'  ' + words if (words := _stability(s)) else ''}"
             )
@@ -222,13 +224,16 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     )
     unit, word = length_unit(results[name].scene.body)
     thickness = " (T: cortical thickness)" if word == "T" else ""
-    deep = f", {s['sulcal_depth'] / unit:.2f} {word} deep on average{thickness}" if s["folds"] else ""
+    depth = with_error(s["sulcal_depth"] / unit, s["errors"].get("sulcal_depth", 0.0) / unit)
+    deep = f", {depth} {word} deep on average{thickness}" if s["folds"] else ""
     hull, closed = s["gyrification_index"], s["closed_gyrification_index"]
-    index = f"gyrification index {hull:.2f}"
+    index = f"gyrification index {_index(s)}"
     if closed is not None and abs(hull - closed) > BENT:
         disc = f"the closing by a disc of radius {s['closing_radius'] / unit:.2g} {word}"
         index += f" against the convex hull, {closed:.2f} against {disc}"
     yield f"folds: {sulci(s['folds'])}{deep}; {index}"
+    if words := _errors(s):
+        yield f"errors of the mesh, estimated: {words}"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
@@ -244,6 +249,18 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     yield f"pattern: {_gyri(s['registration'])}{chance}"
     yield f"grown: {areas(results[name])}"
     yield f"results: {base / folder_name(name)}"
+
+
+def _errors(s: Mapping[str, Any]) -> str:
+    """Return the estimated errors in per cent, or why there are none; nothing where they were not wanted."""
+    shares = {name: abs(off / s[name]) for name, off in s["errors"].items() if off and s[name]}
+    names = {name: LENGTH.get(name, name.replace("_", " ")) for name in shares}
+    words = [f"{names[name]} {100 * share:.2g} %" for name, share in shares.items()]
+    return ", ".join(words) or str(s["no_errors"])
+
+
+def _index(s: Mapping[str, Any]) -> str:
+    return with_error(s["gyrification_index"], s["errors"].get("gyrification_index"))
 
 
 def _stability(s: Mapping[str, Any]) -> str:

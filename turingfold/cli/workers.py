@@ -68,7 +68,7 @@ def _run(job: Job, scene: Scene, running: Running, progress: Callable[[Row], obj
     try:
         result = simulate(
             scene, job.folder, progress=progress, resume=running.resume, overwrite=running.overwrite,
-            case=job.provenance,
+            case=job.provenance, errors=running.errors,
         )  # fmt: skip
     except SolveError as error:
         return Outcome(job.name, "stopped", str(error))

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array, add_up
 from ..geometry.body import Body
 from ..results.result import Result, along_pial, pial_closed
+from ..results.units import with_error
 from .sections import scale_bar
 from .style import MM, PARTS, copies, edge, frame, sulci
 
@@ -76,7 +77,8 @@ def numbers(result: Result, step: int = -1) -> str:
     folds = find_folds(pial, thickness=T, closed=closed)
     index = gyrification_index(pial, closed=closed)
     depth = f", depth {folds.depth / T:.1f} T" if folds.count else ""
-    return f"{sulci(folds.count)}, GI {index:.2f}{depth}"
+    off = result.errors.get("gyrification_index") if result.states[step] is result.last else None
+    return f"{sulci(folds.count)}, GI {with_error(index, off)}{depth}"
 
 
 def grid(

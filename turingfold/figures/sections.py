@@ -20,7 +20,7 @@ from ..geometry.body import Body
 from ..growth.measure import largest_growth
 from ..parts import Load, Term, TimeStep
 from ..results.result import Result, along_pial, pial_closed
-from ..results.units import length_unit, stress_unit
+from ..results.units import length_unit, stress_unit, with_error
 from ..scene import Scene
 from ..state import State
 from .style import (
@@ -256,7 +256,8 @@ def measures(result: Result) -> str:
     s = result.summary()
     age = result.label()
     words = [*([age] if age else []), f"growth {s['growth']:.2f}", sulci(s["folds"])]
-    words.append(f"gyrification index {s['gyrification_index']:.2f}")
+    index = with_error(s["gyrification_index"], result.errors.get("gyrification_index"))
+    words.append(f"gyrification index {index}")
     if s["registration"] is not None:
         words.append(f"registration {s['registration']:+.2f}")
     return ", ".join(words)

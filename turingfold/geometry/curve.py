@@ -89,13 +89,14 @@ class Curve:
 
     def _project(self, points: Array, which: Integers, xi: Array) -> Array:
         start, mid, end = self.segments[:, :, which]
-        bend = start - 2 * mid + end
+        (bx, by), (sx, sy), (dx, dy) = start - 2 * mid + end, 0.5 * (end - start), points - mid
         for _ in range(8):
-            gap, slope = points - self._point(xi, which), self._slope(xi, which)
-            speed2 = (slope**2).sum(0)
+            gx, gy = dx - (sx + 0.5 * bx * xi) * xi, dy - (sy + 0.5 * by * xi) * xi
+            tx, ty = sx + bx * xi, sy + by * xi
+            speed2 = tx * tx + ty * ty
             # Gauss-Newton far from the curve's centre of curvature, where the full derivative may vanish
-            curvature = np.maximum(speed2 - (gap * bend).sum(0), 0.2 * speed2)
-            xi = np.clip(xi + (gap * slope).sum(0) / curvature, -1.0, 1.0)
+            curvature = np.maximum(speed2 - gx * bx - gy * by, 0.2 * speed2)
+            xi = np.clip(xi + (gx * tx + gy * ty) / curvature, -1.0, 1.0)
         return xi
 
     def _arc_at(self, xi: Array, which: Integers) -> Array:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..arrays import Array, Booleans, Integers
@@ -10,6 +13,9 @@ from ..geometry.triangles import folded_over
 from ..state import State
 from ..terms.boundary import boundary_edges
 from .surface import along_pial, pial_closed
+
+if TYPE_CHECKING:
+    from ..morphometry.folds import Folds
 
 SPLIT = 16  # small triangles along a side of an element on the edge of the centre
 
@@ -140,20 +146,38 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
 
     parts = _parts(body, state["displacement"])
     folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in _surfaces(parts)]
-    count = sum(found.count for found in folds)
     return {
         "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
         "self_intersections": crossings(body, state["displacement"]),
         "gyrification_index": gyrification(body, state["displacement"]),
         "closed_gyrification_index": None,
         "closing_radius": None,
-        "folds": count,
-        "sulcal_depth": sum(found.count * found.depth for found in folds) / max(1, count),
+        "folds": sum(found.count for found in folds),
+        "sulcal_depth": _mean_depth(folds),
         "least_fold_depth": folds[0].prominence,
         "fold_smoothing": folds[0].smoothing,
         "mirror_error": None,
         "registration": None,
         "registration_p": None,
+    }
+
+
+def shape_numbers(body: Body, displacement: Array) -> dict[str, float]:
+    """Return pial length, m, gyrification index, and mean sulcal depth, m, of a deformed body."""
+    from ..morphometry.folds import find_folds
+    from ..morphometry.polyline import perimeter
+
+    surfaces = parts = _parts(body, displacement)
+    if len(parts) == 1:
+        whole = along_pial(body, parts[0][0])
+        surfaces = parts = [(whole, pial_closed(body))]
+    else:
+        surfaces = _surfaces(parts)
+    folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in surfaces]
+    return {
+        "perimeter": sum(perimeter(pial, closed=closed) for pial, closed in parts),
+        "gyrification_index": gyrification(body, displacement),
+        "sulcal_depth": _mean_depth(folds),
     }
 
 
@@ -174,6 +198,11 @@ def crossings(body: Body, displacement: Array) -> int:
 def _parts(body: Body, displacement: Array) -> list[tuple[Array, bool]]:
     moved = body.nodes + displacement
     return [(moved[:, path.nodes], path.closed) for path in body.pial_paths]
+
+
+def _mean_depth(folds: Sequence[Folds]) -> float:
+    """Return the mean depth of all sulci, m."""
+    return sum(found.count * found.depth for found in folds) / max(1, sum(found.count for found in folds))
 
 
 def _surfaces(parts: list[tuple[Array, bool]]) -> list[tuple[Array, bool]]:

@@ -15,7 +15,7 @@ from .lock import writer
 
 KINDS: dict[str, type | tuple[type, ...]] = {
     "status": str, "message": str, "seconds": (int, float), "seconds_by_part": dict, "time": (int, float),
-    "steps": int,
+    "steps": int, "errors": dict, "no_errors": str,
 }  # fmt: skip
 
 
@@ -32,6 +32,8 @@ class Ending:
     seconds_by_part: Mapping[str, float] = field(default_factory=dict)
     time: float | None = None
     steps: int | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
+    no_errors: str = ""
 
 
 def read_ending(path: Path) -> Ending:

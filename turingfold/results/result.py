@@ -23,7 +23,7 @@ from ..solve.march import observed
 from ..solve.problem import Problem, configuration
 from ..state import State
 from .files import CorruptFileError
-from .measures import area_numbers, fold_numbers, pial_pattern
+from .measures import area_numbers, fold_numbers, pial_pattern, shape_numbers
 from .surface import along_pial as along_pial
 from .surface import pial_closed as pial_closed
 
@@ -50,6 +50,8 @@ class Result:
     of its boundary, in the history.
     message: what to know about it.
     seconds, seconds_by_part: time spent.
+    errors: how far numbers of the last state are off, by their names in the summary; see `estimate`. Empty
+    where they were not asked for, or there are none: no_errors then says why.
     Raises ValueError for another status.
     """
 
@@ -60,6 +62,8 @@ class Result:
     message: str = ""
     seconds: float = NAN
     seconds_by_part: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)
+    no_errors: str = ""
 
     def __post_init__(self) -> None:
         one_of("status", self.status, STATUSES)
@@ -193,8 +197,9 @@ class Result:
 
     @cached_property
     def _shape(self) -> dict[str, float | None]:
-        """Areas and folds of the last state."""
-        return area_numbers(self.scene.body, self.last) | fold_numbers(self.scene.body, self.last)
+        """Areas, folds and pial length of the last state."""
+        body, length = self.scene.body, shape_numbers(self.scene.body, self.last["displacement"])["perimeter"]
+        return {**area_numbers(body, self.last), **fold_numbers(body, self.last), "perimeter": length}
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
@@ -206,6 +211,7 @@ class Result:
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.
+        perimeter: length of the pial surface, m.  errors, no_errors: as in `Result`.
         seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
@@ -231,6 +237,8 @@ class Result:
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
             **self._shape,
+            "errors": dict(self.errors),
+            "no_errors": self.no_errors,
             "converged": self.converged,
         }
 
@@ -271,8 +279,10 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
             "damaged; go on with resume=True (--resume), or run the scene again."
         )
     seconds = sum(row["seconds"] for row in history) if ending.seconds is None else ending.seconds
-    parts = ending.seconds_by_part
-    return Result(scene, tuple(states), tuple(history), ending.status, ending.message, seconds, parts)
+    return Result(
+        scene, tuple(states), tuple(history), ending.status, ending.message, seconds, ending.seconds_by_part,
+        ending.errors, ending.no_errors,
+    )  # fmt: skip
 
 
 def observe(problem: Problem, state: State, dt: float) -> dict[str, Array]:

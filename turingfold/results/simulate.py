@@ -55,6 +55,7 @@ def simulate(
     overwrite: bool = False,
     frames: int = 20,
     case: Mapping[str, Any] | None = None,
+    errors: bool | None = None,
 ) -> Result:
     """Run a scene to its end and return every accepted state.
 
@@ -63,6 +64,7 @@ def simulate(
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
     overwrite: replace a result that `out` holds; not with `resume`.
     frames: states kept on disk, evenly spaced in time, beside those at the stops of its stepping.
+    errors: whether to estimate how far the last state's numbers are off; by default where `out` keeps them.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
@@ -80,11 +82,11 @@ def simulate(
     if out is None:
         if resume or overwrite:
             raise ValueError("resume and overwrite need a folder: simulate(scene, out=folder, ...).")
-        return _Run(scene, frames, progress).to_the_end()
+        return _Run(scene, frames, progress, errors=bool(errors)).to_the_end()
     from .folder import ResultFolder
 
     with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite, case=case) as folder:
-        return _Run(scene, frames, progress, folder).to_the_end()
+        return _Run(scene, frames, progress, folder, errors=errors is not False).to_the_end()
 
 
 def coarseness(elements: float, remedy: str = "make size= smaller (elements= larger)") -> str:
@@ -111,6 +113,7 @@ class _Run:
     frames: int
     progress: Callable[[Row], object] | None = None
     folder: ResultFolder | None = None
+    errors: bool = False
     states: list[State] = field(default_factory=list)
     history: list[Row] = field(default_factory=list)
     parts: dict[str, float] = field(default_factory=dict)  # seconds, without those of the present march
@@ -203,11 +206,28 @@ class _Run:
             status, message = _validity(self.history)
         elif self.folder is not None and self.position is not None:
             self._keep(len(self.history), self.states[-1])
+        errors, without = self._errors() if status != "interrupted" else ({}, "")
         states, history = tuple(self.states), tuple(self.history)
-        result = Result(self.scene, states, history, status, message, self._seconds(), self._parts())
+        result = Result(
+            self.scene, states, history, status, message, self._seconds(), self._parts(), errors, without
+        )
         if self.folder is not None:
             self.folder.summarise(result.summary())
         return result
+
+    def _errors(self) -> tuple[dict[str, float], str]:
+        """Return how far the last state's numbers are off, or why that is not known."""
+        if not self.errors or not self.history:
+            return {}, ""
+        from .estimate import NoEstimateError, estimated
+
+        began = perf_counter()
+        try:
+            return estimated(self.problem, self.states[-1]), ""
+        except (NoEstimateError, SolveError, ValueError, MemoryError) as error:  # the run stays what it is
+            return {}, str(error)
+        finally:
+            self.parts["error estimate"] = self.parts.get("error estimate", 0.0) + perf_counter() - began
 
     def _keep(self, step: int, state: State) -> None:
         """Keep the state of a step that was not just taken, on disk."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from ..geometry.body import Body
 from ..scene import Scene, stress_scale
 
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
+UNSEEN = 1e-4  # smaller errors do not show in four decimals
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 
 
@@ -23,3 +26,13 @@ def stress_unit(scene: Scene) -> tuple[float, str]:
     That is 1e3 Pa, "kPa"; for moduli that are no tissue's in Pa, the largest below 10, 1 without a name.
     """
     return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
+
+
+def with_error(number: float, error: float | None) -> str:
+    """Return a number with its error, to the first digit of that; with two decimals where there is none."""
+    if not error or not math.isfinite(error):
+        return f"{number:.2f}"
+    if error < UNSEEN:
+        return f"{number:.4f}"
+    decimals = max(0, -math.floor(math.log10(1.05 * error)))
+    return f"{number:.{decimals}f} ± {error:.{decimals}f}"

@@ -30,10 +30,15 @@ def refuse_motion(scene: Scene) -> None:
             raise ValueError(
                 f"terms holds {term!r}, which resists motion; a path of equilibria has none. Leave it out."
             )
-    of_equilibria = {"displacement", *(name for term in scene.terms for name in term.writes)}
     for process in scene.processes:
-        if process.remembers or of_equilibria.intersection((*process.reads, *process.optional)):
+        if remembers(process, scene):
             raise _remembers(process)
+
+
+def remembers(process: Process, scene: Scene) -> bool:
+    """Return whether a process of a scene says that it remembers, or reads what belongs to equilibria."""
+    of_equilibria = {"displacement", *(name for term in scene.terms for name in term.writes)}
+    return process.remembers or bool(of_equilibria.intersection((*process.reads, *process.optional)))
 
 
 def refuse_memory(problem: Problem, start: State) -> None:

@@ -1,0 +1,237 @@
+"""How far numbers of a state are off: what a mesh with half the element size changes of them.
+
+The equilibrium u of a body, with tangent K, is carried over to the mesh whose triangles are split into four
+(matrix I). There, forces r(I u) are left. The new nodes, W, answer them locally and the body to what that
+changes of its balance (two-level hierarchical estimate; Bank and Smith 1993, SIAM J. Numer. Anal. 30, 921):
+
+    e_W = -K_WW⁻¹ r_W,     e = e_W - I K⁻¹ Iᵀ (r + K' e_W),
+
+K_WW the tangent of the finer mesh with its negative parts taken away, K' e_W a difference of its forces. It
+takes no factorisation on the finer mesh. A number J is off by J(I u + e) - J(u), the energy by what its
+quadrature and its contact change and ½ r·e; of an error of order p, that is the share 1 - 2⁻ᵖ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import LinearOperator, cg
+
+from ..arrays import Array
+from ..geometry.body import Body, by_node
+from ..geometry.refinement import at_finer_points, prolongation, refined
+from ..parts import Evolution, Fields, LongEvolution, Process, TimeStep
+from ..scene import Scene
+from ..solve.inertia import Indefinite
+from ..solve.linear import NotPositiveDefinite, solver_for
+from ..solve.newton import Minimiser
+from ..solve.problem import Configuration, Problem, configuration
+from ..solve.sparsity import Assembler, Sparsity
+from ..stability.path_dependence import remembers
+from ..state import State
+from .measures import shape_numbers
+
+BEYOND = 1.5  # 1/(1 - 2⁻ᵖ) is 2 at creases and corners, of order 1, 1.14 of order 3: their geometric mean
+FARTHEST = 1.0  # cortical thicknesses that the finer mesh may move a node for the estimate to mean anything
+NUDGE = 1e-6  # cortical thicknesses by which nodes move for a difference of forces
+LOCAL, PATIENCE = 1e-3, 20  # residual and Newton iterations of the new nodes' answer
+ENERGY = "energy"
+Numbers = dict[str, float]
+
+
+class NoEstimateError(Exception):
+    """There is no estimate of an error; the message says why."""
+
+
+def estimated(problem: Problem, state: State) -> Numbers:
+    """Return by how much energy (J/m), pial length (m), gyrification index and sulcal depth (m) are off.
+
+    They are the errors of the mesh: of its elements, its quadrature and the distance that contact keeps.
+    Equilibria have no error of the steps but that of processes that remember, and of those none is told.
+    Raises NoEstimateError where terms resist motion, as errors then add up over all steps; where the finer
+    mesh cannot take the state; and where it would move the body far.
+    """
+    if any(term.resists_motion for term in problem.scene.terms):
+        raise NoEstimateError("errors of a motion add up over its steps; see turingfold accuracy")
+    body = problem.scene.body
+    at = _configuration(problem, state, over=True)
+    finer = _Finer.of(problem, state)
+    assembler = Assembler(problem.n_dofs, problem.held)
+    solve = _solver(*assembler.assemble(at.hessians(0.0)), problem.scene)
+    local = finer.locally_balanced()
+    whole = np.zeros(problem.n_dofs)
+    whole[assembler.free] = -solve(finer.restricted(local.forces)[assembler.free])
+    move = finer.prolonged(whole)
+    e = local.move + move
+    farthest = float(np.abs(e).max()) / body.thickness
+    if not farthest <= FARTHEST:
+        raise NoEstimateError(f"a finer mesh would move the body by {farthest:.2g} cortical thicknesses")
+    before = shape_numbers(body, state["displacement"])
+    after = shape_numbers(finer.body, (finer.at.x + e).reshape(-1, 2).T)
+    off = {name: after[name] - before[name] for name in before}
+    off[ENERGY] = local.energy - at.energy + 0.5 * float(local.forces @ move)
+    return {name: BEYOND * abs(value) for name, value in off.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class _Local:
+    """A move of the new nodes, (2 n_finer,), the gradient after it, and the energy."""
+
+    move: Array
+    forces: Array
+    energy: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Finer:
+    """A state on the body with its triangles split."""
+
+    problem: Problem
+    matrix: csr_matrix
+    at: Configuration
+
+    @property
+    def body(self) -> Body:
+        return self.problem.scene.body
+
+    @classmethod
+    def of(cls, problem: Problem, state: State) -> _Finer:
+        """Return a state on the finer mesh, with the fields of processes as they are there."""
+        scene = problem.scene
+        body, finer = scene.body, refined(scene.body)
+        matrix = prolongation(body, finer)
+        carried = _carrier(body, finer, matrix)
+        known = _known(scene)
+        given = _Given({name: carried(name, state[name]) for name in known})
+        others = (process for process in scene.processes if known.isdisjoint(process.writes))
+        processes = (given, *others) if known else scene.processes
+        own = Problem(replace(scene, body=finer, processes=processes))
+        start = own.start()
+        now = own.processed(start, state.time) if state.time else start
+        now = now.updated(displacement=carried("displacement", state["displacement"]))
+        at = _configuration(own, now)
+        if at.is_condensed:  # what is inside the elements has settled now; tangents begin with it
+            at = _configuration(own, own.finished(now, at))
+        return cls(own, matrix, at)
+
+    def locally_balanced(self) -> _Local:
+        """Return what the new nodes do while those of the body stay."""
+        at, n = self.at, self.problem.n_dofs
+        held = np.union1d(self.problem.held, np.arange(2 * self.matrix.shape[1]))
+        if at.is_condensed:  # volume is kept in each small triangle, by no small stiffness
+            found = Minimiser(n, held, LOCAL, PATIENCE, solver=self.problem.scene.stepping.solver)
+            end = found.minimise(at.potentials, at.x).at
+            return _Local(end.x - at.x, _forces(end), end.energy)
+        new, move, forces = Assembler(n, held), np.zeros(n), _forces(at)
+        sparsity, values = new.assemble(at.hessians(1.0))
+        diagonal, shape = sparsity.lower(values).diagonal(), (len(new.free), len(new.free))
+        inverse = LinearOperator(shape, matvec=lambda x: x / diagonal)
+        matrix = LinearOperator(shape, matvec=lambda x: sparsity.times(values, x))
+        move[new.free], failed = cg(matrix, -forces[new.free], rtol=LOCAL, maxiter=500, M=inverse)
+        if failed:
+            raise NoEstimateError("the finer mesh has no stiffness of its own")
+        change = self._change(move, forces)
+        return _Local(move, forces + change, at.energy + float((forces + 0.5 * change) @ move))
+
+    def _change(self, direction: Array, forces: Array) -> Array:
+        """Return the change of the forces along a direction, K' d, (2 n_finer,)."""
+        largest = float(np.abs(direction).max())
+        if not largest > 0:
+            return np.zeros_like(direction)
+        step = NUDGE * self.body.thickness / largest
+        there = configuration(self.at.potentials, self.at.x + step * direction)
+        if there is None:
+            raise NoEstimateError("the state touches what is not admissible on a finer mesh")
+        return (_forces(there) - forces) / step
+
+    def prolonged(self, vector: Array) -> Array:
+        """Return a field of the body, (2 n,), on the finer mesh."""
+        return np.asarray((self.matrix @ vector.reshape(-1, 2)).ravel())
+
+    def restricted(self, forces: Array) -> Array:
+        """Return what forces on the finer mesh do along displacements of the body, (2 n,)."""
+        return np.asarray((self.matrix.T @ forces.reshape(-1, 2)).ravel())
+
+
+def _known(scene: Scene) -> set[str]:
+    """Return the fields that are carried over, as to compute them anew takes all steps or long."""
+    known = {
+        name
+        for process in scene.processes
+        if remembers(process, scene) or isinstance(process.on(scene.body), LongEvolution)
+        for name in process.writes
+    }
+    # with a field, all that its writers write
+    while more := {n for p in scene.processes if not known.isdisjoint(p.writes) for n in p.writes} - known:
+        known |= more
+    return known
+
+
+def _configuration(problem: Problem, state: State, *, over: bool = False) -> Configuration:
+    step = TimeStep(state.time or problem.scene.until, over=over)
+    at = configuration(problem.potentials(state, step), by_node(state["displacement"]))
+    if at is None:
+        raise NoEstimateError("walls cross or triangles turn over in the state on a finer mesh")
+    return at
+
+
+def _forces(at: Configuration) -> Array:
+    return np.asarray(np.sum([e.gradient()[0] for e in at.evaluations], axis=0))
+
+
+def _solver(sparsity: Sparsity, values: Array, scene: Scene) -> Callable[[Array], Array]:
+    """Return what solves with the tangent of the state."""
+    solver = solver_for(sparsity, scene.stepping.solver)
+    try:
+        solver.factorize(values)
+    except NotPositiveDefinite:  # a saddle
+        return Indefinite(sparsity).factorize(values).solve
+    return solver.solve
+
+
+def _carrier(body: Body, finer: Body, matrix: csr_matrix) -> Callable[[str, Array], Array]:
+    """Return what carries a field over: of all nodes, of those of the cortical band, or of the points."""
+    nodes, points = body.nodes.shape[1], body.quadrature.weights.shape
+
+    def carried(name: str, values: Array) -> Array:
+        if values.shape[-1:] == (nodes,):
+            return np.asarray((matrix @ values.T).T)
+        if values.shape[-2:] == points:
+            return at_finer_points(body, values)
+        if values.ndim == 1 and len(values) == len(body.cortex.nodes):
+            return np.asarray((matrix @ body.spread(body.cortex, values, outside=0.0))[finer.cortex.nodes])
+        raise NoEstimateError(f"the field {name!r} of shape {values.shape} belongs to no nodes or points")
+
+    return carried
+
+
+@dataclass(frozen=True, eq=False)
+class _Given(Process):
+    """Fields that are known already."""
+
+    fields: Fields
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        return tuple(self.fields)
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        return tuple(self.fields)
+
+    def on(self, body: Body) -> _GivenOnBody:
+        return _GivenOnBody(self.fields)
+
+
+@dataclass(frozen=True, eq=False)
+class _GivenOnBody(Evolution):
+    fields: Fields
+
+    def start(self, state: State, seed: int) -> Fields:
+        return dict(self.fields)
+
+    def advance(self, before: State, now: State, dt: float) -> Fields:
+        return dict(self.fields)
