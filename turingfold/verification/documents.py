@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.integrate import quad_vec
 
+from ..arrays import Array
 from ..geometry.layers import cortex_indicator
 from ..geometry.shapes import semicircle
+from ..growth.laws import RateGrowth
+from ..models.ferret import P32
 from ..morphometry.polyline import perimeter
+from ..state import State
 from ..turing.kinetics.chemical import Schnakenberg
 from ..turing.process import Turing
 from .check import Check, Quantity, quantities
@@ -58,9 +63,32 @@ def layers() -> list[Quantity]:
     return [Quantity("largest error of θ", 0.0, error, 1e-12)]
 
 
+def ferret_growth() -> list[Quantity]:
+    """Ġ = 1.9 θ(y/T(t)) G along the surface, T = T₀ (1 - t/2): g = exp(1.9 ∫ θ dt), at P32, t = 0.44.
+
+    On the surface e^{0.836}, less θ(0)'s 5e-5. scipy's adaptive quadrature of θ at every point, to 1e-9.
+    """
+    made = semicircle(radius=1.0, thickness=0.1, size=0.1, layers="sigmoid")
+    law = RateGrowth(rate=1.9, thinning=0.5)
+    got = law.on(made).advance(State(0.0), State(P32), P32)["growth"][0].ravel()
+    share = (made.depth / 0.1).ravel()
+
+    def theta(time: float) -> Array:
+        return np.asarray(1 / (1 + np.exp(10 * (share / (1 - 0.5 * time) - 1))))
+
+    known = np.exp(1.9 * quad_vec(theta, 0.0, P32, epsrel=1e-10)[0])
+    outermost = int(np.argmin(share))
+    return [
+        Quantity("largest error of g, relative", 0.0, float(np.abs(got / known - 1).max()), 1e-6),
+        Quantity("g next to the surface", float(known[outermost]), float(got[outermost]), 1e-6),
+        Quantity("g on the surface", float(np.exp(1.9 * P32)), float(got.max()), 1e-2),
+    ]
+
+
 CHECKS = (
     Check("Document 1 and 2: tissue", tissue, "definitions"),
     Check("Document 1: body", body, "circle"),
     Check("Document 1: pattern", pattern, "Bessel functions"),
+    Check("Document 2: growth at P32", ferret_growth, "Choi et al. 2025"),
     Check("Document 2: layers", layers, "Choi et al. 2025"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from . import contact, documents, elasticity, growth, stability, turing
+from . import contact, documents, dynamics, elasticity, growth, line, shapes, stability, turing
 from .check import Check
 
 
@@ -14,7 +14,7 @@ def checks(named: Sequence[str] = (), *, full: bool = False) -> tuple[Check, ...
     full: with those that take longer, such as orders of convergence.
     Raises ValueError for a word that no problem has.
     """
-    rooms = (turing, growth, elasticity, stability, contact, documents)
+    rooms = (turing, line, growth, elasticity, stability, contact, dynamics, shapes, documents)
     every = [check for room in rooms for check in room.CHECKS if full or not check.full]
     for word in named:
         if not any(word.lower() in check.problem.lower() for check in every):
