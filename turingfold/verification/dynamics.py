@@ -59,7 +59,7 @@ def bar_under_a_sudden_pull() -> list[Quantity]:
 
     The wave of speed c = √(E/ρ) makes it a triangle of period 4 L/c, that is the sum of all modes ω_n =
     (2 n - 1) π c/(2 L) with 8/(π² (2 n - 1)²) each. By the midpoint rule the sum of kinetic and strain energy
-    and that of the load stays 0. Waves shorter than a few elements or steps run too slowly: 1.3 % at the peak.
+    and that of the load stays 0. Waves of a few elements or steps run too slowly: 1.3 % at the peak.
     """
     moments = pulled_bar()
     wave = LENGTH / np.sqrt(YOUNG / DENSITY)

@@ -87,7 +87,8 @@ def half_spaces() -> list[Quantity]:
             body=half_strip(6.0, 4), terms=(Elastic(gray=material),), processes=(law,), stepping=steps
         )
         got = buckling(scene).growth
-        found.append(Quantity(f"{name}: critical strain", known, 1 - 1 / got, 8e-3 if material is NEARLY else 1e-3))
+        tolerance = 8e-3 if material is NEARLY else 1e-3
+        found.append(Quantity(f"{name}: critical strain", known, 1 - 1 / got, tolerance))
     return found
 
 
