@@ -39,10 +39,11 @@ def steady(cell: Mapping[str, Any], seconds: float) -> tuple[list[str], dict[str
     turing = Turing(kinetics, half_waves=waves, ratio=ratio, initial=cell["initial"])
     pattern = turing.pattern(body, 0, deadline=perf_counter() + seconds)
     effort = {"steps": float(pattern.steady.steps), "iterations": float(pattern.steady.newton_iterations)}
-    return _faults(body, pattern, waves if cell["initial"] == "mode" else None), effort
+    return faults(body, pattern, waves if cell["initial"] == "mode" else None), effort
 
 
-def _faults(body: Body, pattern: Pattern, waves: int | None) -> list[str]:
+def faults(body: Body, pattern: Pattern, waves: int | None) -> list[str]:
+    """Return what is wrong with a steady pattern that should have so many half waves, if that is known."""
     state, found, kinetics = pattern.steady.state, [], pattern.system.kinetics
     at = pattern.design.conditions
     if not np.isfinite(state).all():

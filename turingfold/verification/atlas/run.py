@@ -79,18 +79,30 @@ def run(
     folder: Path, counts: Mapping[str, int], *, seed: int, seconds: float, jobs: int,
     progress: Callable[[str, Row], object],
 ) -> dict[str, list[Row]]:  # fmt: skip
-    """Return the rows of so many cells of each kind, by number; those in the folder's tables are not run."""
+    """Return the rows of so many cells of each kind, by number.
+
+    Those in the folder's tables are not run, but for cells that stopped with less time than they have now.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    rows = {kind: read(folder, kind) for kind in KINDS}
-    known = {(kind, int(row["number"])) for kind in KINDS for row in rows[kind] if int(row["seed"]) == seed}
-    wanted = [(kind, number) for kind in KINDS for number in range(counts.get(kind, 0))]
-    jobs_left = deque((kind, number, seed, seconds) for kind, number in wanted if (kind, number) not in known)
-    for kind, row in _answers(jobs_left, seconds, jobs):
+    rows: dict[str, dict[int, Row]] = {kind: {} for kind in KINDS}
+    for kind in KINDS:
+        own = [row for row in read(folder, kind) if int(row["seed"]) == seed]
+        rows[kind] = {int(row["number"]): row for row in own}
+    left = deque(
+        (kind, number, seed, seconds)
+        for kind in KINDS
+        for number in range(counts.get(kind, 0))
+        if number not in rows[kind] or _stopped_before(rows[kind][number], seconds)
+    )
+    for kind, row in _answers(left, seconds, jobs):
         _append(folder, kind, row)
-        rows[kind].append(row)
+        rows[kind][row["number"]] = row
         progress(kind, row)
-    kept = {kind: [row for row in rows[kind] if int(row["seed"]) == seed] for kind in KINDS}
-    return {kind: sorted(own, key=lambda row: int(row["number"])) for kind, own in kept.items()}
+    return {kind: [own[number] for number in sorted(own)] for kind, own in rows.items()}
+
+
+def _stopped_before(row: Row, seconds: float) -> bool:
+    return bool(row["outcome"] == STOPPED and float(row["seconds"]) < 0.9 * seconds)
 
 
 def read(folder: Path, kind: str) -> list[Row]:
