@@ -34,6 +34,7 @@ KEYS = {
     "status", "message", "time", "area_growth", "cortex_growth", "core_growth", "centre_growth",
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",
+    "damped_steps",
     "min_jacobian", "min_gap",
     "inverted_elements", "self_intersections", "gyrification_index",
     "closed_gyrification_index", "closing_radius", "folds", "sulcal_depth", "least_fold_depth",

@@ -1,4 +1,6 @@
 """Seeded scenes, ordinary and extreme: what has triangles turned over does not say "converged"."""
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from skfem import MeshTri2
@@ -10,7 +12,7 @@ from turingfold.results.simulate import StoppedError, simulate
 from turingfold.scene import Scene
 from turingfold.stepping import Stepping
 from turingfold.terms.contact import SelfContact
-from turingfold.terms.dynamics import Inertia
+from turingfold.terms.dynamics import Drag, Inertia
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.terms.tension import AxonalTension
@@ -106,3 +108,15 @@ def test_scenes_that_used_to_stop_reach_a_certified_end(kind, seed):
     result = simulate(hard(kind, seed))
     assert result.last.time == result.scene.until
     assert result.history[-1]["negative_pivots"] == 0
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_steps_that_would_go_on_through_walls_are_damped():
+    """By the midpoint rule alone no step, however short, leads on where walls meet."""
+    made = scene(9, False)
+    moving = (*made.terms, Inertia(density=1000.0), Drag(coefficient=59.0))
+    result = simulate(replace(made, terms=moving, stepping=Stepping(scheme="midpoint")))
+    summary = result.summary()
+    assert (result.status, summary["self_intersections"]) == ("converged", 0)
+    assert 0 < summary["damped_steps"] < 0.2 * summary["steps"]

@@ -271,6 +271,8 @@ def _stability(s: Mapping[str, Any]) -> str:
         words.append(f"{s['saddles']} of {s['steps']} states no minimum{last}")
     if s["snaps"]:
         words.append(f"{s['snaps']} of {s['steps']} reached by a snap")
+    if s["damped_steps"]:
+        words.append(f"{s['damped_steps']} of {s['steps']} damped, where walls met")
     return "; ".join(words)
 
 

@@ -234,6 +234,7 @@ class Result:
             "negative_pivots": int(last.get("negative_pivots", 0)),
             "saddles": sum(row["negative_pivots"] > 0 for row in rows),
             "snaps": sum(row.get("snapped", 0.0) > 0 for row in rows),
+            "damped_steps": sum(row.get("damped", 0.0) > 0 for row in rows),
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
             **self._shape,

@@ -31,6 +31,7 @@ from .step_control import longest_next
 
 LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
+USUAL, SNAPS, DAMPED = "usual", "snaps", "damped"  # ways to take a step
 PATIENCE = 3  # halvings after failures, or by which a step is below the usual, before the body snaps
 
 
@@ -113,14 +114,15 @@ def march(
         minimiser.remember(problem.potentials(before, last), progress.memory.point)
     minimiser.deadline = problem.deadline
     minimiser.effort.add("setting up", started)
-    failures = 0  # of the present step
+    failures, overshot = 0, False  # of the present step; whether the last one went too far past its middle
     while progress.state.time < until * (1 - 1e-12):
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
         dt = _length(progress, stepping, until)
         snaps = failures >= PATIENCE or bool(failures and dt < progress.usual_dt / 2**PATIENCE)
         try:
-            step = _attempt(problem, minimiser, progress, dt, perf_counter(), snaps=snaps)
+            way = DAMPED if snaps and overshot else SNAPS if snaps else USUAL
+            step = _attempt(problem, minimiser, progress, dt, perf_counter(), way)
         except (RoundOffError, OutOfMemoryError, MemoryError) as error:  # no other step would do
             minimiser.forget()
             raise _hopeless(progress.state, until, error) from error
@@ -132,6 +134,7 @@ def march(
             continue
         except SolveError as error:
             failures += 1
+            overshot = isinstance(error, InadmissibleStateError)
             if not minimiser.out_of_time and dt / 2 < stepping.smallest * until:
                 if failures <= PATIENCE:  # too few halvings: the body may still snap within this step
                     failures = PATIENCE + 1
@@ -141,7 +144,9 @@ def march(
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
-        failures, past = 0, progress.equilibria[-REMEMBERED:]
+        failures, overshot, past = 0, False, progress.equilibria[-REMEMBERED:]
+        if step.numbers.get("damped"):
+            minimiser.forget()
         onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
         if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
             onward, past = max(progress.usual_dt, dt), ()
@@ -170,19 +175,24 @@ def _onward(dt: float, iterations: float, stepping: Stepping, until: float) -> f
 
 
 def _attempt(
-    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float, *, snaps: bool
+    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float, way: str
 ) -> Step:
-    """Take one step from untouched data; snaps: to wherever the gradient flow from there ends."""
+    """Take one step from untouched data.
+
+    way: SNAPS, to wherever the gradient flow from there ends; DAMPED, by the implicit Euler rule, which ends
+    where forces balance, instead of by one that goes on past that; its damping vanishes with the step.
+    """
     old, effort = progress.state, minimiser.effort
     iterations, factorizations = effort.iterations, effort.factorizations
-    step = TimeStep(dt, problem.scene.stepping.balance)
+    usual = problem.scene.stepping.balance
+    step = TimeStep(dt, 1.0 if way == DAMPED else usual)
     state = balanced = problem.processed(old, dt)
     if step.balance < 1:
         balanced = problem.processed(old, step.span)
     potentials = problem.potentials(balanced, step)
     effort.add("processes", began)
     x = by_node(old["displacement"])
-    if snaps:
+    if way == SNAPS:
         from .snap import Creep
 
         creep = problem.kept("creep", Creep.of)
@@ -202,11 +212,13 @@ def _attempt(
         "energy": energy,
         "residual": found.residual,
         "negative_pivots": found.negative_pivots,
-        "snapped": float(snaps),
+        "snapped": float(way == SNAPS),
         "newton_iterations": effort.iterations - iterations,
         "factorizations": effort.factorizations - factorizations,
         "seconds": perf_counter() - began,
     }
+    if usual < 1:
+        numbers["damped"] = float(way == DAMPED)
     for evaluation in at.evaluations:
         numbers |= evaluation.measure()
     return Step(state, at, numbers, dict(effort.seconds), onward)
