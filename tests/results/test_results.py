@@ -1,6 +1,7 @@
 """Running scenes: what comes back, and what a failure leaves."""
 
 import copy
+import json
 import pickle
 import re
 import time
@@ -23,6 +24,7 @@ from turingfold import (
     Stepping,
     StoppedError,
     half,
+    load,
     semicircle,
     simulate,
 )
@@ -302,3 +304,12 @@ def test_states_that_are_no_minima_and_snaps_are_summed_up_and_told(grown):
     assert f"equilibria: {said}" in told("case", {"one": result}, Path("out"))
     assert next(told("case", {"one": result, "two": grown}, Path("out"))).endswith(said)
     assert not any("equilibria" in line for line in told("case", {"one": grown}, Path("out")))
+
+
+def test_a_result_of_a_program_without_estimates_is_read(tmp_path):
+    simulate(elastic_scene(), tmp_path / "old")
+    file = tmp_path / "old" / "summary.json"
+    summary = json.loads(file.read_text())
+    del summary["errors"], summary["no_errors"]
+    file.write_text(json.dumps(summary))
+    assert load(tmp_path / "old").status == "converged"

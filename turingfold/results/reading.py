@@ -13,6 +13,8 @@ from .checkpoint import from_arrays
 from .files import CorruptFileError, read_arrays, read_json
 from .lock import writer
 
+# what results of earlier versions do not say
+LATER: Mapping[str, object] = {"errors": {}, "no_errors": "Its program did not estimate errors."}
 KINDS: dict[str, type | tuple[type, ...]] = {
     "status": str, "message": str, "seconds": (int, float), "seconds_by_part": dict, "time": (int, float),
     "steps": int, "errors": dict, "no_errors": str,
@@ -44,6 +46,8 @@ def read_ending(path: Path) -> Ending:
         return Ending("running", f"It is being written by {name}.") if name else Ending()
     summary = read_json(file)
     for name, kind in KINDS.items():
+        if name in LATER and name not in summary:
+            summary[name] = LATER[name]
         if not isinstance(summary.get(name), kind):
             found = reprlib.repr(summary.get(name))
             raise CorruptFileError(
