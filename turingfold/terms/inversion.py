@@ -13,8 +13,9 @@ from ..geometry.body import Body
 from .pair_barrier import PairBarrier, barrier_slope, cross
 
 LEAST = 0.2  # det F below which the barrier acts
-# places along the side at the boundary; det F is quadratic there, so that its least value between two of them
-# lies below the lower one by its second derivative over 8·16² at most
+# places along the side at the boundary, and det F that it has there at least: det F is quadratic, so that its
+# least value between two places lies below the lower one by its second derivative over 8·16² at most
+FLOOR = 0.02
 PLACES = np.stack([np.arange(17) / 16, np.zeros(17)], axis=1)
 
 
@@ -22,8 +23,8 @@ class Inversion(PairBarrier):
     """Triangles, of which det F is β × α at each place over what it is at rest; nodes: theirs, (6, c)."""
 
     def measure(self, directions: Array) -> Array:
-        """Return β × α."""
-        return cross(directions)
+        """Return β × α over its floor."""
+        return np.asarray(cross(directions) - self.floor)
 
     def derivatives(self, directions: Array) -> tuple[Array, Array]:
         """Return the derivatives of β × α."""
@@ -49,7 +50,7 @@ def inversion(triangles: Integers, rest: Array, stiffness: float) -> Inversion:
     at_rest = free.measure(free.directions(rest))
     share = 0.5 * at_rest / len(PLACES)  # of the area
     weight = stiffness * share * LEAST / -barrier_slope(0.5)
-    return Inversion(triangles, free.shares, LEAST * at_rest, weight)
+    return Inversion(triangles, free.shares, (LEAST - FLOOR) * at_rest, weight, FLOOR * at_rest)
 
 
 def _shares() -> Array:

@@ -36,13 +36,14 @@ class PairBarrier(ABC):
     """Energy Σ w b(z) of pairs with 0 < z < 1.
 
     nodes: of each pair, (n, c).  shares: of the nodes in α and β at each place, (2, p, n).  bound: of the
-    measure, where z is 1, (p, c).  weight: w, (p, c).
+    measure, where z is 1, (p, c).  weight: w, (p, c).  floor: of β × α, 0 or (p, c).
     """
 
     nodes: Integers
     shares: Array
     bound: Array
     weight: Array
+    floor: Array | float = 0.0
 
     @abstractmethod
     def measure(self, directions: Array) -> Array:
@@ -75,8 +76,8 @@ class PairBarrier(ABC):
         """
         first, last = self.directions(start), self.directions(end)
         way = last - first
-        constant, square = cross(first), cross(way)
-        linear = cross(last) - constant - square
+        constant, square = cross(first) - self.floor, cross(way)
+        linear = cross(last) - self.floor - constant - square
         # where all Bernstein coefficients are positive, there is no root
         some = np.minimum(np.minimum(constant, constant + 0.5 * linear), constant + linear + square) <= 0
         first, way, constant, linear, square = (
