@@ -43,7 +43,7 @@ CHANGES = {
 @p.quick(elements=2, steps=10, until=0.1)
 def scenes(
     quick=False, *,
-    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 8, bulk: p.BulkRatio = 5.0,
+    thickness: p.RelativeThickness = 0.1, elements: p.Elements = 9, bulk: p.BulkRatio = 5.0,
     rate: p.Rate = 1.9, thinning: p.Thinning = 0.5, drag: p.Drag = 3.0, amplitude: p.Amplitude = 0.05,
     until: p.Until = ferret.P32, steps: p.Steps = 40, seed: p.Seed = 0,
 ):  # fmt: skip
