@@ -15,7 +15,7 @@ from turingfold.cli.parser import parser
 
 DOCS = Path(__file__).parents[1] / ".docs"
 PAGES = DOCS / "pages"
-SIZED = ("run", "sweep", "accuracy", "sensitivity", "buckling")  # commands with a small version of the case
+SIZED = ("run", "sweep", "accuracy", "sensitivity", "fit", "buckling")  # they have a small version of a case
 SHOWN = ("app", "verify", "animate")  # serve for ever, or other tests run them: only the words are checked
 
 
