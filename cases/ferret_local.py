@@ -10,8 +10,8 @@ Without drag the tall, fine folds of 2 g, 0.25 T snap one after the other, which
 Nine elements through the cortex were chosen after seeing that with six and eight the last end of 2 g, 0.25 T
 has two triangles turned over or edges that cross at the tip of a crease (5, 9: neither; 10 stops there).
 
-Over the seeds 0, 1 and 2, with eight elements: 2 g deepens the folds of the zone from 1.6 to 1.8 T to 2.4 to 3.1 T; 0.25 T has 6
-or 7 sulci there instead of 2 or 3, and normal ones beyond it.
+Over the seeds 0, 1 and 2, with eight elements: 2 g deepens the folds of the zone from 1.6 to 1.8 T to 2.4 to
+3.1 T; 0.25 T has 6 or 7 sulci there instead of 2 or 3, and normal ones beyond it.
 """
 
 from turingfold import (
