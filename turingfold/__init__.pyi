@@ -88,6 +88,7 @@ from .results.result import load as load
 from .results.simulate import CoarseMeshWarning as CoarseMeshWarning
 from .results.simulate import StoppedError as StoppedError
 from .results.simulate import simulate as simulate
+from .results.watch import Tracker as Tracker
 from .scene import Scene as Scene
 from .sensitivity.fit import Fit as Fit
 from .sensitivity.fit import fit as fit

@@ -35,7 +35,7 @@ def _sweep(options: argparse.Namespace) -> int:
     method = "lhs" if options.lhs else "sobol" if options.sobol else ""
     samples = options.lhs or options.sobol or 0
     design = Design(tuple(options.vary), options.points, method, samples, options.seed)
-    asked = Asked(options.keep, options.task)
+    asked = Asked(options.keep, options.task, options.dask)
     request = _request(options, "sweep", *design.words(), *asked.words())
     return sweep(request, design, _running(options), asked)
 

@@ -144,6 +144,10 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     sweep.add_argument(
         "--task", type=_task, metavar="I/N", help="the I-th of N parts, for array jobs of a scheduler"
     )
+    sweep.add_argument(
+        "--dask", default="", metavar="ADDRESS",
+        help="run on the Dask cluster whose scheduler is there, or on one of --jobs processes here: local",
+    )  # fmt: skip
     sweep.set_defaults(command="sweep")
 
     common = shared[-1]

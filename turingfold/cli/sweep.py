@@ -20,6 +20,7 @@ from ..results.lock import FolderLock
 from ..results.result import Result, Row, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
 from .case import Case, find_case, folder_name
+from .cluster import run_on_cluster
 from .design import Design, points
 from .figure import save_figure
 from .outcome import STATUSES, Outcome
@@ -169,7 +170,10 @@ def _run(
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all points
     try:
         with _progress(len(left)) as (report, count):
-            ends = run_jobs(left, running, report, maker)
+            if asked.dask:
+                ends = run_on_cluster(left, asked.dask, running.jobs)
+            else:
+                ends = run_jobs(left, running, report, maker)
             for end in ends:
                 yield end
                 count()

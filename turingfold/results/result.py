@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,10 @@ from .files import CorruptFileError
 from .measures import area_numbers, fold_numbers, pial_pattern, shape_numbers
 from .surface import along_pial as along_pial
 from .surface import pial_closed as pial_closed
+
+if TYPE_CHECKING:
+    import meshio
+    from matplotlib.figure import Figure
 
 Row = dict[str, float]
 FilePath = str | os.PathLike[str]
@@ -72,6 +76,45 @@ class Result:
         """Return it in a line; the arrays would fill pages."""
         end = self.unfinished or f"reached the end at t = {self.last.time:.4g}"
         return f"Result({end}, growth {largest_growth(self.last):.3g}, {len(self.history)} steps)"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the folded body, and the numbers that sum it up."""
+        from .html import as_html
+
+        return as_html(self)
+
+    def plot(self, step: int = -1, *, field: str = "von_mises") -> Figure:
+        """Return a figure of a state, coloured by a field; `figures` has functions that draw on given axes.
+
+        field: "von_mises", "pressure" or "jacobian".
+        """
+        from matplotlib.figure import Figure
+
+        from turingfold import figures  # a picture is no part of a result: as a caller would draw it
+
+        self._state(step)
+        figure = Figure(figsize=(8, 5), layout="constrained")
+        figures.section(axes := figure.add_subplot(), self, step, field=field)
+        axes.set_title(self.unfinished or figures.measures(self), fontsize=10)
+        return figure
+
+    def to_meshio(self, step: int | State = -1) -> meshio.Mesh:
+        """Return a state as a meshio mesh of quadratic triangles, undeformed, with all its fields."""
+        from .vtu import mesh_of
+
+        return mesh_of(self.scene.body, self._state(step), self.observe(step))
+
+    def to_pyvista(self, step: int | State = -1) -> Any:
+        """Return a state as a PyVista grid; `.warp_by_vector("displacement")` deforms it."""
+        from .exports import as_pyvista
+
+        return as_pyvista(self, self._state(step))
+
+    def to_xarray(self) -> Any:
+        """Return states and history as an xarray Dataset."""
+        from .exports import as_xarray
+
+        return as_xarray(self)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled or copied: not what was only computed from it."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from ..arrays import Array
 from ..checks import instance, whole
 from ..errors import NotConvergedError, SolveError
 from ..geometry.triangles import folded_over
@@ -20,6 +21,7 @@ from ..solve.problem import Problem
 from ..state import State
 from .measures import crossings, gyrification
 from .result import FilePath, Result, Row, observe
+from .watch import Tracker, watcher
 
 if TYPE_CHECKING:
     from .folder import ResultFolder
@@ -50,7 +52,8 @@ def simulate(
     scene: Scene,
     out: FilePath | None = None,
     *,
-    progress: Callable[[Row], object] | None = None,
+    progress: Callable[[Row], object] | bool | None = None,
+    trackers: Sequence[Tracker] = (),
     resume: bool = False,
     overwrite: bool = False,
     frames: int = 20,
@@ -60,7 +63,8 @@ def simulate(
     """Run a scene to its end and return every accepted state.
 
     out: folder that the result is stored in while it is made; see `output.folder`.
-    progress: is called with each new row of the history.
+    progress: is called with each new row of the history; True shows a line of progress.
+    trackers: functions that are called with states and their fields, see `Tracker`.
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
     overwrite: replace a result that `out` holds; not with `resume`.
     frames: states kept on disk, evenly spaced in time, beside those at the stops of its stepping.
@@ -75,6 +79,9 @@ def simulate(
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
     _warn_if_coarse(scene)
     whole("frames", frames, at_least=1)
+    watch = watcher(progress, scene.until)
+    for tracker in trackers:
+        instance("trackers", tracker, Tracker, "Tracker(call=function, times=(0.5, 1.0))")
     if resume and overwrite:
         raise ValueError(
             "resume=True goes on with what `out` holds and overwrite=True replaces it; choose one of the two."
@@ -82,11 +89,11 @@ def simulate(
     if out is None:
         if resume or overwrite:
             raise ValueError("resume and overwrite need a folder: simulate(scene, out=folder, ...).")
-        return _Run(scene, frames, progress, errors=bool(errors)).to_the_end()
+        return _Run(scene, frames, watch, trackers, errors=bool(errors)).to_the_end()
     from .folder import ResultFolder
 
     with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite, case=case) as folder:
-        return _Run(scene, frames, progress, folder, errors=errors is not False).to_the_end()
+        return _Run(scene, frames, watch, trackers, folder, errors=errors is not False).to_the_end()
 
 
 def coarseness(elements: float, remedy: str = "make size= smaller (elements= larger)") -> str:
@@ -112,6 +119,7 @@ class _Run:
     scene: Scene
     frames: int
     progress: Callable[[Row], object] | None = None
+    trackers: Sequence[Tracker] = ()
     folder: ResultFolder | None = None
     errors: bool = False
     states: list[State] = field(default_factory=list)
@@ -147,6 +155,7 @@ class _Run:
         if self.folder is None or found is None:
             position = begin(self.scene, self.problem)
             self.states.append(position.state)
+            self._track(-1.0, position.state, lambda: observe(self.problem, position.state, self._first()))
             self.parts["starting"] = self._seconds()
             if self.folder is not None:
                 self._keep(0, position.state)
@@ -192,6 +201,14 @@ class _Run:
             self.parts["writing"] = self.parts.get("writing", 0.0) + perf_counter() - began
         if self.progress is not None:
             self.progress(row)
+        self._track(before, state, step.observe)
+
+    def _track(self, before: float, state: State, fields: Callable[[], Mapping[str, Array]]) -> None:
+        """Call the trackers that are due, with a state and its fields."""
+        if due := [tracker for tracker in self.trackers if tracker.is_due(before, state.time)]:
+            shown = fields()
+            for tracker in due:
+                tracker.call(state, shown)
 
     def _finish(self, status: str = "interrupted", message: str = GO_ON) -> Result:
         """Write down the last accepted state, and return what has come of the scene."""
@@ -232,8 +249,11 @@ class _Run:
     def _keep(self, step: int, state: State) -> None:
         """Keep the state of a step that was not just taken, on disk."""
         assert self.folder is not None
-        dt = self.history[step - 1]["step"] if step else self.scene.stepping.first * self.scene.until
+        dt = self.history[step - 1]["step"] if step else self._first()
         self.folder.add_state(step, state, observe(self.problem, state, dt))
+
+    def _first(self) -> float:
+        return self.scene.stepping.first * self.scene.until
 
     def _save(self, position: Progress) -> None:
         if self.folder is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,9 +15,20 @@ from ..geometry.body import Body
 from ..state import State
 from .files import DAMAGE, CorruptFileError
 
+if TYPE_CHECKING:
+    import meshio
+
 
 def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
-    """Return a VTU file of quadratic triangles, undeformed; Warp By Vector shows the deformed shape.
+    """Return a VTU file of `mesh_of`; Warp By Vector shows the deformed shape."""
+    with tempfile.TemporaryDirectory() as folder:  # meshio writes files only
+        file = Path(folder) / "frame.vtu"
+        mesh_of(body, state, observed).write(file, binary=True)
+        return file.read_bytes()
+
+
+def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.Mesh:
+    """Return a mesh of quadratic triangles, undeformed, with the fields of a state.
 
     At nodes: displacement (m, with a third component 0) and the morphogens, NaN outside the cortex. In
     triangles, averaged over the area: observed (q, e), such as von_mises (Pa), the growth factor along the
@@ -35,11 +47,8 @@ def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
         elif name == "growth":
             in_triangles[name] = [in_cells(body, values[0])]
     in_triangles["layer"] = [body.in_cortex.astype(np.int32)]
-    mesh = meshio.Mesh(points, [("triangle6", body.triangles.T)], point_data=at_nodes, cell_data=in_triangles)
-    with tempfile.TemporaryDirectory() as folder:  # meshio writes files only
-        file = Path(folder) / "frame.vtu"
-        mesh.write(file, binary=True)
-        return file.read_bytes()
+    triangles = [("triangle6", body.triangles.T)]
+    return meshio.Mesh(points, triangles, point_data=at_nodes, cell_data=in_triangles)
 
 
 def arrays_of(file: Path) -> dict[str, Array]:

@@ -55,7 +55,7 @@ def phase_diagram(axes: Axes, x: Values, y: Values, colour: Values) -> None:
     Several points of one place are drawn as their median. A cross is a point without that measure.
     """
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
+    from matplotlib.colors import BoundaryNorm, Normalize
 
     known = np.isfinite(colour.numbers)
     places, of_place = np.unique(np.stack([x.numbers, y.numbers]), axis=1, return_inverse=True)
@@ -83,7 +83,9 @@ def phase_diagram(axes: Axes, x: Values, y: Values, colour: Values) -> None:
     if missing.size:
         axes.plot(*missing, "x", color=MISSING, label="no result")
     _name(axes, x, y)
-    axes.figure.colorbar(colors, ax=axes, label=colour.heading)
+    bar = axes.figure.colorbar(colors, ax=axes, label=colour.heading)
+    if isinstance(norm, BoundaryNorm):
+        bar.set_ticks(np.unique(shown[shown == np.round(shown)]).tolist())
 
 
 def bands(axes: Axes, x: Values, y: Values) -> None:
