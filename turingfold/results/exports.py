@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
+from ..geometry.body import Body
 from ..state import State
 from .vtu import mesh_of
 
-if TYPE_CHECKING:
-    from .result import Result
 
-
-def as_pyvista(result: Result, state: State) -> Any:
+def as_pyvista(body: Body, state: State, observed: Mapping[str, Array]) -> Any:
     """Return a state as a PyVista grid of quadratic triangles, undeformed."""
     _need("pyvista")
     import pyvista
 
-    return pyvista.wrap(mesh_of(result.scene.body, state, result.observe(state)))
+    return pyvista.wrap(mesh_of(body, state, observed))
 
 
-def as_xarray(result: Result) -> Any:
+def as_xarray(body: Body, states: Sequence[State], rows: Sequence[Mapping[str, float]]) -> Any:
     """Return states and history as an xarray Dataset.
 
     Fields by state: dimensions "time", "node", "axis"; "point" and "triangle" for integration points (q, e);
@@ -31,7 +31,6 @@ def as_xarray(result: Result) -> Any:
     _need("xarray")
     import xarray
 
-    body, states = result.scene.body, result.states
     known = {
         body.nodes.shape[1:]: ("node",),
         body.quadrature.weights.shape: ("point", "triangle"),
@@ -44,12 +43,11 @@ def as_xarray(result: Result) -> Any:
         free = values.ndim - 1 - len(inner)
         axes = ("axis",) if name == "displacement" else tuple(f"{name}_{k}" for k in range(free))
         found[name] = (("time", *axes, *inner), values)
-    rows = result.history
     for name in rows[0] if rows else ():
         found[f"history_{name}"] = ("step", np.array([row.get(name, np.nan) for row in rows]))
     places = {axis: ("node", along) for axis, along in zip("xy", body.nodes, strict=True)}
     coords = {"time": [state.time for state in states], **places}
-    made = xarray.Dataset(found, coords=coords, attrs={"status": result.status, "message": result.message})
+    made = xarray.Dataset(found, coords=coords)
     for name in ("x", "y", "displacement"):
         made[name].attrs["units"] = "m"
     return made

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array, Integers
 from ..geometry.body import Body
+from ..state import State
 from .units import length_unit
-
-if TYPE_CHECKING:
-    from .result import Result
 
 WIDTH = 360  # of the picture, px
 MARGIN = 0.02  # of its width
 CORE, CORTEX, INK = "#f3e9dc", "#b9887f", "#3b2626"
 
 
-def as_html(result: Result) -> str:
-    """Return the last state's picture and what sums it up."""
-    s, (unit, word) = result.summary(), length_unit(result.scene.body)
-    end = result.unfinished or f"reached the end, t = {result.last.time:.4g}"
+def as_html(body: Body, state: State, s: Mapping[str, Any], end: str) -> str:
+    """Return the picture of a state, and the numbers of its summary.
+
+    end: how the run ended, in words.
+    """
+    unit, word = length_unit(body)
     depth = f"{s['sulcal_depth'] / unit:.2f} {word}" if s["folds"] else "-"
     rows = {
         "run": f"{end}, in {s['seconds']:.3g} s and {s['steps']} steps",
@@ -34,11 +35,10 @@ def as_html(result: Result) -> str:
         "smallest J*": "-" if s["min_jacobian"] is None else f"{s['min_jacobian']:.3f}",
         "unknowns": f"{s['dofs']}, {s['elements_through_cortex']:g} elements through the cortex",
     }
-    if result.message:
-        rows["message"] = result.message
+    if s["message"]:
+        rows["message"] = s["message"]
     cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows.items())
-    drawn = picture(result.scene.body, result.last["displacement"])
-    return f"<div>{drawn}<table>{cells}</table></div>"
+    return f"<div>{picture(body, state['displacement'])}<table>{cells}</table></div>"
 
 
 def picture(body: Body, displacement: Array) -> str:

@@ -81,7 +81,8 @@ class Result:
         """Return what a notebook shows: the folded body, and the numbers that sum it up."""
         from .html import as_html
 
-        return as_html(self)
+        end = self.unfinished or f"reached the end, t = {self.last.time:.4g}"
+        return as_html(self.scene.body, self.last, self.summary(), end)
 
     def plot(self, step: int = -1, *, field: str = "von_mises") -> Figure:
         """Return a figure of a state, coloured by a field; `figures` has functions that draw on given axes.
@@ -108,13 +109,13 @@ class Result:
         """Return a state as a PyVista grid; `.warp_by_vector("displacement")` deforms it."""
         from .exports import as_pyvista
 
-        return as_pyvista(self, self._state(step))
+        return as_pyvista(self.scene.body, self._state(step), self.observe(step))
 
     def to_xarray(self) -> Any:
         """Return states and history as an xarray Dataset."""
         from .exports import as_xarray
 
-        return as_xarray(self)
+        return as_xarray(self.scene.body, self.states, self.history)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled or copied: not what was only computed from it."""

@@ -11,8 +11,8 @@ from typing import Any, TextIO
 from ..arrays import Array
 from ..checks import finite_array
 from ..state import State
+from .result import Row
 
-Row = dict[str, float]
 BETWEEN = 0.1  # s between two updates of the line
 TENTHS = 10  # lines of a run whose progress is written to a file
 
