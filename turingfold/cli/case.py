@@ -39,10 +39,11 @@ LONGEST = 150  # letters of a folder's name
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A case file that was read."""
+    """A case file that was read.  sha256: of its text when it was; a run may outlast that."""
 
     path: Path
     module: ModuleType
+    sha256: str
 
     @property
     def name(self) -> str:
@@ -101,7 +102,7 @@ class Case:
         values, usual = (values_of(self.module.scenes, own, quick=quick) for own in (given, {}))
         return {
             "name": self.name,
-            "sha256": sha256(self.path.read_bytes()).hexdigest(),
+            "sha256": self.sha256,
             **({"commit": commit} if (commit := _commit(self.path.parent)) else {}),
             "quick": quick,
             "parameters": values,
@@ -150,10 +151,11 @@ def named_parts(files: Iterable[Path]) -> tuple[Any, ...]:
 
 def load_case(path: Path) -> Case:
     """Read a case file; raises ValueError if it is missing, has a mistake or has no scenes."""
+    text = path.read_bytes() if path.is_file() else b""
     module = _module(path, f"turingfold_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}")
     if not callable(getattr(module, "scenes", None)):
         raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
-    return Case(path, module)
+    return Case(path, module, sha256(text).hexdigest())
 
 
 def _module(path: Path, name: str) -> ModuleType:

@@ -15,8 +15,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from ..results.simulate import CoarseMeshWarning
+from .outcome import Outcome
 from .point import Point, run_point
-from .status import Outcome
 from .study import ended
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ def compute(case: Case, results: Mapping[str, Result], base: Path, *, keep: bool
     """Store what a case computes of its results, if anything; `keep`: not again for the same case."""
     if case.computed is None:
         return
-    file, source = base / FILE, np.array(sha256(case.path.read_bytes()).hexdigest())
+    file, source = base / FILE, np.array(case.sha256)
     if keep and file.is_file() and read_arrays(file).get(SOURCE) == source:
         return
     with explained(case.path):

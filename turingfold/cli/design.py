@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from hashlib import sha256
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -74,8 +73,7 @@ def points(
         of_parts = {part: read_values(text, scenes[name], part) for part, text in lists.parts.items()}
         check_lists({name: [0] for name in every[0].names} | dict(lists.own) | of_parts)
     plain = Point(
-        case.path, sha256(case.path.read_bytes()).hexdigest(), "", "", tuple(scenes), {}, {}, {}, base,
-        request.quick, keep,
+        case.path, case.sha256, "", "", tuple(scenes), {}, {}, {}, base, request.quick, keep,
     )  # fmt: skip
     set_parts = {name: _set_values(name, scenes[name], parts) for name in names}
     found: list[Point] = []

@@ -112,7 +112,7 @@ class Maker:
         case = self._case
         if case is None or case.path != point.case:
             case = load_case(point.case)
-        if hashlib.sha256(point.case.read_bytes()).hexdigest() != point.sha256:
+        if case.sha256 != point.sha256:
             raise ChangedCaseError(f"{point.case} was changed since the study began; begin another one.")
         every = self.scenes(case, point.given, quick=point.quick)
         if tuple(every) != point.every:
