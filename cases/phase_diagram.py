@@ -1,4 +1,4 @@
-"""Phase diagrams: which cortices fold, by thickness and growth, and by modulus ratio and growth. About 3 min.
+"""Phase diagrams: which cortices fold, by thickness and growth, and by modulus ratio and growth. About 6 min.
 
     turingfold run cases/phase_diagram.py -j 2      draws figures/phase_diagram.png, writes table.md and .csv
 
