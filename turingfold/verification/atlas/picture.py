@@ -44,7 +44,7 @@ def draw(figure: Figure, rows: Mapping[str, Sequence[Row]]) -> None:
     took = [row for row in solid if row["iterations"]]
     _points(effort, took, [float(row["iterations"]) for row in took], [float(row["seconds"]) for row in took])
     effort.set(xscale="log", yscale="log", xlabel="Newton iterations", ylabel="run time with its check (s)")
-    both = _title("patterns (above: steady, below: in time)", chemical)
+    both = _title("patterns (steady above)", chemical)
     titles = _title("mechanics", solid), "the same cells", both, "effort, mechanics"
     for letter, title, axes in zip("abcd", titles, panels.flat, strict=True):
         axes.set_title(f"$\\bf{{{letter}}}$   {title}", loc="left", fontsize=10)
@@ -65,7 +65,7 @@ def summed(rows: Sequence[Row]) -> str:
 
 def _title(what: str, rows: Sequence[Row]) -> str:
     forbidden = sum(row["outcome"] in FORBIDDEN for row in rows)
-    return f"{what}, {len(rows)} cells, {forbidden} of them lies, hangs or untyped errors"
+    return f"{what}, {len(rows)} cells, {forbidden} lies, hangs, untyped errors"
 
 
 def _points(axes: Axes, rows: Sequence[Row], x: Sequence[float], y: Sequence[Any]) -> None:
