@@ -20,13 +20,14 @@ CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.py"))
 
 def data_or_skip(path):
     """Skip the case whose input is the user's own, where it is not there."""
-    if path.stem in ("ferret_outlines", "inverse_ferret") and not load_case(path).module.FOLDER.is_dir():
-        pytest.skip("the ferret outlines are not here")
+    folder = getattr(load_case(path).module, "FOLDER", path.parent)
+    if not folder.is_dir():
+        pytest.skip(f"the outlines are not in {folder}")
 
 
 def slow_if_long(path):
     """Mark the families that take a while to build their scenes, or to start them."""
-    long = path.stem.startswith(("ferret", "turing"))
+    long = path.stem.startswith(("ferret", "turing", "human"))
     return pytest.param(path, id=path.stem, marks=pytest.mark.slow if long else ())
 
 

@@ -52,7 +52,7 @@ def tissue(axes: Axes, body: Body) -> None:
     corners, gray = body.mesh.t.T, body.in_cortex.astype(float)
     for points in copies(body, body.nodes):
         x, y = MM * points[:, : body.mesh.nvertices]
-        axes.tripcolor(x, y, corners, facecolors=gray, cmap=shades, vmin=0.0, vmax=1.0, rasterized=True)
+        axes.tripcolor(x, y, corners, facecolors=gray, cmap=shades, vmin=0.0, vmax=1.0)
         edge(axes, points, body)
     frame(axes)
     scale_bar(axes, body)
