@@ -9,13 +9,24 @@
 
 The cortex is 2.5 mm thick, or as thick as the white surface says, and grows along both of its directions, in
 the plane and across it, to 1.7 times its length; the pial surface touches itself and does not cross. Moduli
-are those of document 1. Without a file: a hemisphere's outline, r = R (1 + 0.15 cos 2φ - 0.2 e^{-(φ/0.4)²}
-+ 0.03 sin 3φ), R = 25 mm, with the shallow pit of the insula at its side.
+are those of document 1. With skull=0.002 a skull lies 2 mm around the convex hull.
+
+Without a file: a hemisphere's outline, r = R (1 + 0.15 cos 2φ - 0.2 e^{-(φ/0.4)²} + 0.03 sin 3φ), R = 25 mm,
+with the shallow pit of the insula at its side.
 """
 
 import numpy as np
 
-from turingfold import Scene, SelfContact, TangentialGrowth, figures, human, read_section, run_case
+from turingfold import (
+    Scene,
+    SelfContact,
+    TangentialGrowth,
+    figures,
+    human,
+    read_section,
+    run_case,
+    skull_around,
+)
 from turingfold import outline as body_of
 from turingfold import parameters as p
 
@@ -39,6 +50,7 @@ def scenes(
     layers: p.Layers = "sharp",
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 1.7, core: p.Core = 1.0, out_of_plane: p.OutOfPlane = "tangential",
+    skull: p.SkullGap = None,
 ):  # fmt: skip
     given = hemisphere()
     if outline:
@@ -51,7 +63,8 @@ def scenes(
     )  # fmt: skip
     solid = human.tissue(young_gray=young_gray, young_white=young_white, poisson=poisson)
     grow = TangentialGrowth(cortex=cortex, core=core, out_of_plane=out_of_plane)
-    return {"section": Scene(body=body, processes=(grow,), terms=(solid, SelfContact()))}
+    contact = SelfContact(skull=None if skull is None else skull_around(body, gap=skull))
+    return {"section": Scene(body=body, processes=(grow,), terms=(solid, contact))}
 
 
 def draw(results, figure):

@@ -77,6 +77,7 @@ from .outlines.read import Contours as Contours
 from .outlines.read import read_outline as read_outline
 from .outlines.remesh import remeshed as remeshed
 from .outlines.section import Section as Section
+from .outlines.skull import skull_around as skull_around
 from .outlines.surface import surface_section as surface_section
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError

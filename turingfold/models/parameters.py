@@ -66,6 +66,7 @@ Plane = Annotated[str, Parameter(label="plane of the section", choices=("coronal
 At = Annotated[float | None, Parameter("m", -0.3, 0.3, "where the plane cuts surfaces and volumes")]
 SectionWidth = Annotated[float | None, Parameter("m", 1e-3, 0.3, "width of the section, left to right")]
 Smooth = Annotated[float, Parameter("m", 0, 0.02, "details of the outline below this go")]
+SkullGap = Annotated[float | None, Parameter("m", 1e-5, 0.05, "gap from the convex hull to the skull")]
 OwnThickness = Annotated[float | None, Parameter("m", 1e-4, 0.02, "thickness of the cortex at the start")]
 Closing = Annotated[float, Parameter("m", 1e-4, 0.05, "radius of the disc that fills sulci")]
 Scale = Annotated[float, Parameter("", 0.2, 2, "size of the start over that of the grown section")]

@@ -8,4 +8,5 @@ from .mask import sections as sections
 from .read import Contours as Contours
 from .read import read_outline as read_outline
 from .section import Section as Section
+from .skull import skull_around as skull_around
 from .surface import surface_section as surface_section
