@@ -8,6 +8,10 @@ stage is its share of the growth in perimeter from stage 1 to 4. Growth is fitte
 on at the same rate to stage 4, which the fit has not seen; beside it, uniform growth of the cortex to the
 same perimeter. Stages that cross themselves are repaired as bodies are (`outline`). Compared are mean
 distances from stage 4, each curve laid on it first, and similarities with what chance gives.
+
+The map foretells stage 4 to 0.056 (left) and 0.033 R (right) on average, uniform growth to 0.061 and 0.039:
+better by 10 and 15 per cent only. The cores come out as shrinking, to 0.73 and 0.85: the published sections
+are slices of a body in space, and their tissue leaves the plane.
 """
 
 import os
