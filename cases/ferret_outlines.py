@@ -30,8 +30,12 @@ def section(side, stage):
     """Return the published outline, (2, n)."""
     if not FOLDER.is_dir():
         raise FileNotFoundError(
-            f"there is no folder {FOLDER}; set FERRET_OUTLINES to one with coronal_q25_left_stage1.csv etc., "
-            "sections at a quarter of the length of the surfaces published with Choi et al. 2025"
+            f"there is no folder {FOLDER}. This case reads outlines that do not come with turingfold: "
+            "coronal_q25_left_stage1.csv, ..._left_stage4.csv and both of right, each a closed curve with "
+            "the columns x,y, in units of the brain's radius. Cut them, at a quarter of the length, from the "
+            "surfaces in data/continuous of github.com/garyptchoi/ferret-brain-morphogenesis (Choi et al. "
+            "2025), put them into a folder, and set the environment variable FERRET_OUTLINES to it. For "
+            "outlines of your own: outline(read_outline(FILE).single(), thickness=...)"
         )
     return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv", unit=1.0).single()
 

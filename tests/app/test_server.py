@@ -367,5 +367,11 @@ def test_the_command_serves_where_it_says(here, monkeypatch, capsys):
 
 def test_a_port_that_is_taken(here, visitor, monkeypatch, capsys):
     monkeypatch.chdir(here)
+    monkeypatch.setattr("uvicorn.Server.run", lambda self, sockets: None)
+    monkeypatch.setattr(command, "PORT", visitor.port)
+    assert main(["app", "tiny.py", "--no-open"]) == 0
+    assert f"port {visitor.port} is taken, by another turingfold app perhaps: this one is at port" in (
+        capsys.readouterr().out
+    )
     assert main(["app", "tiny.py", "--port", str(visitor.port), "--no-open"]) == 2
     assert "choose another by --port" in " ".join(capsys.readouterr().err.split())

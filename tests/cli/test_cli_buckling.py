@@ -46,7 +46,8 @@ def test_a_stable_scene_is_named_beside_the_others(tmp_path, capsys):
     assert plain.split()[0] == "plain"
     assert float(plain.split()[1]) == pytest.approx(1.7846, rel=0.02)
     assert "calm: No loss of stability until t = 1" in printed.err
-    assert "plain" not in printed.err
+    assert "turingfold: scene 2 of 2, plain: its path" in printed.err
+    assert "plain: No loss" not in printed.err
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert main(["buckling", str(case), "--only", "calm", "--figure", str(tmp_path / "none.png")]) == 3
     assert "not drawn" in capsys.readouterr().out

@@ -125,7 +125,8 @@ def test_the_command_writes_table_and_figure_of_whole_runs_only(tmp_path, monkey
     assert not any(file.exists() for file in made)
     (tmp_path / "small.py").write_text(CASE)
     assert main(["accuracy", "small.py", "--resume"]) == 0
-    told_ = capsys.readouterr().out
+    told_, progress = capsys.readouterr()
+    assert "turingfold: run 3 of 3, disc, small, steps x2: converged\n" in progress
     assert (folder / "small-accuracy.png").read_bytes().startswith(b"\x89PNG")
     with (folder / "accuracy.csv").open(newline="") as table:
         rows = list(csv.DictReader(table))

@@ -12,7 +12,7 @@ from .figure import save_figure
 from .plan import Planned, base_folder, planned
 from .request import Request, Running
 from .run import finished, outcomes
-from .status import say
+from .status import progress, say
 from .table import write_table
 
 TABLE = "accuracy.csv"
@@ -28,7 +28,11 @@ def accuracy(request: Request, running: Running, *, meshes: int, steps: int) -> 
     ]
     check_apart([one.name for one in plan], case.path)
     base = base_folder(case, request)
-    status = finished(list(outcomes(case, plan, request, running)), case, request)
+    ends = []
+    for end in outcomes(case, plan, request, running):
+        ends.append(end)
+        progress(f"run {len(ends)} of {len(plan)}, {end.name}: {end.status}")
+    status = finished(ends, case, request)
     picture = base / f"{case.name}-accuracy.png"
     if status:  # table and figure of an earlier run would be of other results
         for stale in (base / TABLE, picture):

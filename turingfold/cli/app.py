@@ -81,6 +81,8 @@ def app(case: str, folder: Path, address: Address, *, show: bool) -> int:
         link = f"http://{f'[{name}]' if ':' in name else name}:{port}/" + (f"?token={token}" if token else "")
         listening.listen()  # what the browser asks before the server is up waits
         say(f"turingfold app: {link}\nresults: {folder}; Ctrl-C ends the app")
+        if address.port is None and port != PORT:
+            say(f"port {PORT} is taken, by another turingfold app perhaps: this one is at port {port}")
         if show:
             _open(link, port)
         server = uvicorn.Server(uvicorn.Config(site, log_level="warning", server_header=False))

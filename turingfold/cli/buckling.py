@@ -13,7 +13,7 @@ from .case import find_case
 from .figure import save_figure
 from .plan import planned
 from .request import Request
-from .status import say
+from .status import progress, say
 
 if TYPE_CHECKING:
     from ..stability.buckling import Buckling
@@ -34,7 +34,8 @@ def report(request: Request, figure: Path | None = None) -> str:
     scenes = {one.name: one.scene for one in plan}
     found: dict[str, Buckling] = {}
     stopped: dict[str, SolveError] = {}
-    for name, scene in scenes.items():
+    for number, (name, scene) in enumerate(scenes.items(), 1):
+        progress(f"scene {number} of {len(scenes)}, {name}: its path is followed until it buckles")
         try:
             found[name] = buckling(at_rest(scene))
         except SolveError as error:

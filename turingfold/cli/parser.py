@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TypeAlias
 
+from .kinds import assignment, at_least_one, figure, smoothness, span, task, whole_number
+
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
-FIGURES = (".png", ".pdf", ".svg")
 MEASURES = ("gyrification_index", "perimeter", "sulcal_depth", "energy")  # of turingfold sensitivity
 
 
@@ -18,7 +19,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="store_true", help="say which version this is")
     commands = top.add_subparsers(metavar="COMMAND")
     common = argparse.ArgumentParser(add_help=False)
-    common.add_argument("--threads", type=_at_least_one, default=1, metavar="N", help="BLAS threads (1)")
+    common.add_argument("--threads", type=at_least_one, default=1, metavar="N", help="BLAS threads (1)")
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
     stored = argparse.ArgumentParser(add_help=False)
     stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
@@ -38,7 +39,7 @@ def _case_arguments(*, chosen: bool = True) -> argparse.ArgumentParser:
         return found
     found.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
     found.add_argument(
-        "--set", action="append", type=_assignment, metavar="NAME=VALUE", dest="assigned",
+        "--set", action="append", type=assignment, metavar="NAME=VALUE", dest="assigned",
         help="value of a parameter of the case, such as thickness=3e-3; may be repeated",
     )  # fmt: skip
     return found
@@ -50,7 +51,7 @@ def _run_arguments() -> argparse.ArgumentParser:
     there = found.add_mutually_exclusive_group()
     there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
     there.add_argument("--overwrite", action="store_true", help="replace results that are there")
-    found.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+    found.add_argument("-j", "--jobs", type=at_least_one, default=1, metavar="N", help="scenes at a time")
     found.add_argument(
         "--no-errors", action="store_false", dest="errors", help="do not estimate how far the numbers are off"
     )
@@ -69,8 +70,8 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
         "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
         "in DIR/<case>-accuracy.",
     )  # fmt: skip
-    accuracy.add_argument("--meshes", type=_number, default=1, metavar="N", help="refinements, 4 x each (1)")
-    accuracy.add_argument("--steps", type=_number, default=1, metavar="N", help="halvings of the steps (1)")
+    accuracy.add_argument("--meshes", type=whole_number, default=1, metavar="N", help="refinements, 4 x each (1)")
+    accuracy.add_argument("--steps", type=whole_number, default=1, metavar="N", help="halvings of the steps (1)")
     accuracy.set_defaults(command="accuracy")
 
     sensitivity = commands.add_parser(
@@ -87,7 +88,7 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
         "--of", action="append", default=[], metavar="MEASURE", choices=MEASURES,
         help=f"{', '.join(MEASURES)}; may be repeated (all)",
     )  # fmt: skip
-    sensitivity.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
+    sensitivity.add_argument("--figure", type=figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
     _add_fit(commands, shared)
 
@@ -101,7 +102,7 @@ def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
         "always holds the best so far, are in DIR/<case>-fit.",
     )  # fmt: skip
     fit.add_argument(
-        "--target", action="append", default=[], type=_assignment, metavar="TIME=FILE", required=True,
+        "--target", action="append", default=[], type=assignment, metavar="TIME=FILE", required=True,
         help="outline (CSV, SVG) or folder of a result at a time of the scene, 1 is its end; may be repeated",
     )  # fmt: skip
     fit.add_argument(
@@ -109,13 +110,13 @@ def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
         help="such as TangentialGrowth.cortex, or GrowthMap.cortex for all its places; may be repeated",
     )  # fmt: skip
     fit.add_argument("--unit", metavar="UNIT", help="of the files, such as mm, where they state none (m)")
-    fit.add_argument("--bounds", type=_range, metavar="LOW:HIGH", help="of all parameters")
+    fit.add_argument("--bounds", type=span, metavar="LOW:HIGH", help="of all parameters")
     fit.add_argument(
-        "--smoothness", type=_smoothness, default=0.0, metavar="W",
+        "--smoothness", type=smoothness, default=0.0, metavar="W",
         help="weight of the second differences of a map, or auto: as much as the noise allows (0)",
     )  # fmt: skip
     fit.add_argument("--noise", type=float, metavar="M", help="standard deviation of the outlines, in m")
-    fit.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there")
+    fit.add_argument("--figure", type=figure, metavar="FILE", help="draw it there")
     fit.set_defaults(command="fit")
 
 
@@ -128,21 +129,21 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
         "sweep.csv and the figure there are of the last sweep alone, while the folders of earlier ones stay.",
     )  # fmt: skip
     sweep.add_argument(
-        "--vary", action="append", default=[], type=_assignment, metavar="NAME=VALUES",
+        "--vary", action="append", default=[], type=assignment, metavar="NAME=VALUES",
         help="such as thickness=2e-3,3e-3 or cortex=1.5:1.9:3, or of a part of the scenes, "
         "AxonalTension.ramp=0,0.2; more make all combinations; LOW:HIGH is a range to sample",
     )  # fmt: skip
     sweep.add_argument("--points", type=Path, metavar="TABLE.csv", help="a row for each point")
     sampling = sweep.add_mutually_exclusive_group()
-    sampling.add_argument("--lhs", type=_at_least_one, metavar="N", help="samples of a Latin hypercube")
-    sampling.add_argument("--sobol", type=_at_least_one, metavar="N", help="samples of Sobol's sequence")
-    sweep.add_argument("--seed", type=_number, default=0, metavar="N", help="of the samples (0)")
+    sampling.add_argument("--lhs", type=at_least_one, metavar="N", help="samples of a Latin hypercube")
+    sampling.add_argument("--sobol", type=at_least_one, metavar="N", help="samples of Sobol's sequence")
+    sweep.add_argument("--seed", type=whole_number, default=0, metavar="N", help="of the samples (0)")
     sweep.add_argument(
         "--keep", choices=("summary", "last", "all"), default="last",
         help="of each point: its row of the table, also its last state, or all kept states (last)",
     )  # fmt: skip
     sweep.add_argument(
-        "--task", type=_task, metavar="I/N", help="the I-th of N parts, for array jobs of a scheduler"
+        "--task", type=task, metavar="I/N", help="the I-th of N parts, for array jobs of a scheduler"
     )
     sweep.add_argument(
         "--dask", default="", metavar="ADDRESS",
@@ -166,7 +167,7 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     plot.add_argument("--x", required=True, metavar="NAME", help="a parameter that is varied, or a measure")
     plot.add_argument("--y", metavar="NAME", help="another one")
     plot.add_argument("--colour", metavar="NAME", help="a measure, such as gyrification_index (folds)")
-    plot.add_argument("--figure", type=_figure, metavar="FILE", help="draw it there (STUDY/plot.png)")
+    plot.add_argument("--figure", type=figure, metavar="FILE", help="draw it there (STUDY/plot.png)")
     plot.set_defaults(command="plot")
 
 
@@ -180,7 +181,7 @@ def _add_cases(
         "while it folds. It answers this machine only; with --host or --token visitors must know a token.",
     )  # fmt: skip
     app.add_argument("case", nargs="?", default="figure3", metavar="CASE", help="shown first (figure3)")
-    app.add_argument("--port", type=_number, metavar="N", help="of the address (8765, or a free one)")
+    app.add_argument("--port", type=whole_number, metavar="N", help="of the address (8765, or a free one)")
     app.add_argument("--host", metavar="NAME", help="answer other machines too, such as 0.0.0.0 for all")
     app.add_argument("--token", action="store_true", help="visitors must know a token, which is printed")
     app.add_argument("--no-open", action="store_true", help="open no browser")
@@ -211,7 +212,7 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     film.add_argument("result", type=Path, metavar="FOLDER", help="of the results of a scene")
     film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
     film.add_argument("--field", default="von_mises", metavar="NAME", help="von_mises, pressure or jacobian")
-    film.add_argument("--rate", type=_at_least_one, default=8, metavar="N", help="states per second (8)")
+    film.add_argument("--rate", type=at_least_one, default=8, metavar="N", help="states per second (8)")
     _add_parts(film)
     film.set_defaults(command="animate")
 
@@ -219,7 +220,7 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
     compare.add_argument("b", type=Path, metavar="B", help="another one")
     compare.add_argument("--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b")
-    compare.add_argument("--figure", type=_figure, metavar="FILE", help="draw one on the other")
+    compare.add_argument("--figure", type=figure, metavar="FILE", help="draw one on the other")
     _add_parts(compare)
     compare.set_defaults(command="compare")
 
@@ -236,20 +237,20 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")
     stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
     stability.add_argument(
-        "--param", action="append", default=[], type=_assignment, metavar="NAME=VALUE", help="repeatable"
+        "--param", action="append", default=[], type=assignment, metavar="NAME=VALUE", help="repeatable"
     )
     stability.add_argument("--ratio", type=float, metavar="D", help="d_inhibitor / d_activator")
-    stability.add_argument("--half-waves", type=_at_least_one, metavar="N", help="on a semi-circle")
+    stability.add_argument("--half-waves", type=at_least_one, metavar="N", help="on a semi-circle")
     stability.add_argument("--radius", type=float, default=0.0404, metavar="M", help="of it, in m (0.0404)")
     stability.add_argument("--thickness", type=float, default=2.5e-3, metavar="M", help="of cortex (0.0025)")
-    stability.add_argument("--figure", type=_figure, metavar="FILE", help="draw the dispersion relation")
+    stability.add_argument("--figure", type=figure, metavar="FILE", help="draw the dispersion relation")
     stability.set_defaults(command="stability")
 
     buckling = commands.add_parser(
         "buckling", parents=[_case_arguments(), common], help="critical growth and mode of a case"
     )
     what = buckling.add_mutually_exclusive_group()
-    what.add_argument("--figure", type=_figure, metavar="FILE", help="draw the modes")
+    what.add_argument("--figure", type=figure, metavar="FILE", help="draw the modes")
     what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command="buckling")
 
@@ -274,59 +275,9 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
         ("mechanics", 300, "folding scenes"), ("patterns", 120, "steady patterns"),
         ("marches", 60, "patterns in time"),
     ):  # fmt: skip
-        atlas.add_argument(f"--{word}", type=_number, default=count, metavar="N", help=f"{said} ({count})")
-    atlas.add_argument("--seed", type=_number, default=0, metavar="N", help="of what is drawn (0)")
-    atlas.add_argument("--seconds", type=_at_least_one, default=20, metavar="S", help="for each scene (20)")
-    atlas.add_argument("-j", "--jobs", type=_at_least_one, default=1, metavar="N", help="scenes at a time")
+        atlas.add_argument(f"--{word}", type=whole_number, default=count, metavar="N", help=f"{said} ({count})")
+    atlas.add_argument("--seed", type=whole_number, default=0, metavar="N", help="of what is drawn (0)")
+    atlas.add_argument("--seconds", type=at_least_one, default=20, metavar="S", help="for each scene (20)")
+    atlas.add_argument("-j", "--jobs", type=at_least_one, default=1, metavar="N", help="scenes at a time")
     atlas.add_argument("--out", type=Path, default=Path("results/atlas"), metavar="DIR", help="results/atlas")
     atlas.set_defaults(command="atlas")
-
-
-def _at_least_one(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 1")
-    return int(text)
-
-
-def _number(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 0")
-    return int(text)
-
-
-def _task(text: str) -> tuple[int, int]:
-    number, _, count = text.partition("/")
-    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
-        raise argparse.ArgumentTypeError(f"{text!r} must be I/N, such as 3/20, with I from 1 to N")
-    return int(number), int(count)
-
-
-def _assignment(text: str) -> tuple[str, str]:
-    name, sign, values = text.partition("=")
-    if not (name and sign and values):
-        raise argparse.ArgumentTypeError(f"{text!r} is not of the form NAME=VALUE")
-    return name, values
-
-
-def _range(text: str) -> tuple[float, float]:
-    try:
-        low, high = map(float, text.split(":"))
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} must be LOW:HIGH, such as 0.8:3") from error
-    return low, high
-
-
-def _smoothness(text: str) -> float | str:
-    if text == "auto":
-        return text
-    try:
-        return float(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} must be a number or auto") from error
-
-
-def _figure(text: str) -> Path:
-    path = Path(text)
-    if path.suffix.lower() not in FIGURES:
-        raise argparse.ArgumentTypeError(f"{text!r} must end with {', '.join(FIGURES[:-1])} or {FIGURES[-1]}")
-    return path

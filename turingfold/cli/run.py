@@ -91,13 +91,13 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
             raise ValueError(f"{case.path}, scene {job.name!r}: {error}") from error
     scenes = {job.name: job.scene for job in jobs if job.scene is not None}
     few = min((scene.body.elements_through_cortex for scene in scenes.values()), default=float("inf"))
-    if words := coarseness(few, _finer(case, request)):
+    if words := coarseness(few, finer(case, request)):
         print(f"turingfold: note: {words}", file=sys.stderr)
     ends = {name: scene.until for name, scene in scenes.items()}
     return _outcomes(jobs, ends, request, running)
 
 
-def _finer(case: Case, request: Request) -> str:
+def finer(case: Case, request: Request) -> str:
     """Return how the user gets smaller elements."""
     if request.quick and "elements" not in dict(request.assigned):
         return "drop --quick"

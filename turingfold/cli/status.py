@@ -31,6 +31,11 @@ def say(text: str) -> None:
         os.close(silence)
 
 
+def progress(text: str) -> None:
+    """Print on standard error how far a command has come."""
+    print(f"turingfold: {text}", file=sys.stderr, flush=True)
+
+
 def complain(message: str) -> None:
     """Print an error: tables keep their columns, long sentences are wrapped."""
     import textwrap
