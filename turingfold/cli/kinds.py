@@ -15,7 +15,7 @@ def at_least_one(text: str) -> int:
     return int(text)
 
 
-def whole_number(text: str) -> int:
+def natural(text: str) -> int:
     """Return a whole number of at least 0."""
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of at least 0")

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TypeAlias
 
-from .kinds import assignment, at_least_one, figure, smoothness, span, task, whole_number
+from .kinds import assignment, at_least_one, figure, natural, smoothness, span, task
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -70,8 +70,8 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
         "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
         "in DIR/<case>-accuracy.",
     )  # fmt: skip
-    accuracy.add_argument("--meshes", type=whole_number, default=1, metavar="N", help="refinements, 4 x each (1)")
-    accuracy.add_argument("--steps", type=whole_number, default=1, metavar="N", help="halvings of the steps (1)")
+    accuracy.add_argument("--meshes", type=natural, default=1, metavar="N", help="refinements, 4 x each (1)")
+    accuracy.add_argument("--steps", type=natural, default=1, metavar="N", help="halvings of the steps (1)")
     accuracy.set_defaults(command="accuracy")
 
     sensitivity = commands.add_parser(
@@ -137,7 +137,7 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     sampling = sweep.add_mutually_exclusive_group()
     sampling.add_argument("--lhs", type=at_least_one, metavar="N", help="samples of a Latin hypercube")
     sampling.add_argument("--sobol", type=at_least_one, metavar="N", help="samples of Sobol's sequence")
-    sweep.add_argument("--seed", type=whole_number, default=0, metavar="N", help="of the samples (0)")
+    sweep.add_argument("--seed", type=natural, default=0, metavar="N", help="of the samples (0)")
     sweep.add_argument(
         "--keep", choices=("summary", "last", "all"), default="last",
         help="of each point: its row of the table, also its last state, or all kept states (last)",
@@ -181,7 +181,7 @@ def _add_cases(
         "while it folds. It answers this machine only; with --host or --token visitors must know a token.",
     )  # fmt: skip
     app.add_argument("case", nargs="?", default="figure3", metavar="CASE", help="shown first (figure3)")
-    app.add_argument("--port", type=whole_number, metavar="N", help="of the address (8765, or a free one)")
+    app.add_argument("--port", type=natural, metavar="N", help="of the address (8765, or a free one)")
     app.add_argument("--host", metavar="NAME", help="answer other machines too, such as 0.0.0.0 for all")
     app.add_argument("--token", action="store_true", help="visitors must know a token, which is printed")
     app.add_argument("--no-open", action="store_true", help="open no browser")
@@ -275,8 +275,8 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
         ("mechanics", 300, "folding scenes"), ("patterns", 120, "steady patterns"),
         ("marches", 60, "patterns in time"),
     ):  # fmt: skip
-        atlas.add_argument(f"--{word}", type=whole_number, default=count, metavar="N", help=f"{said} ({count})")
-    atlas.add_argument("--seed", type=whole_number, default=0, metavar="N", help="of what is drawn (0)")
+        atlas.add_argument(f"--{word}", type=natural, default=count, metavar="N", help=f"{said} ({count})")
+    atlas.add_argument("--seed", type=natural, default=0, metavar="N", help="of what is drawn (0)")
     atlas.add_argument("--seconds", type=at_least_one, default=20, metavar="S", help="for each scene (20)")
     atlas.add_argument("-j", "--jobs", type=at_least_one, default=1, metavar="N", help="scenes at a time")
     atlas.add_argument("--out", type=Path, default=Path("results/atlas"), metavar="DIR", help="results/atlas")
