@@ -79,7 +79,7 @@ def test_a_field_that_nobody_reads_is_refused_with_the_nearest_name(body):
     message_names(failure.value, "no other part of the scene reads", "did you mean 'growth'?")
     with pytest.raises(ValueError, match="TangentialGrowth writes the field 'growth'") as failure:
         Scene(body=body, terms=(SelfContact(),), processes=(TangentialGrowth(),))
-    message_names(failure.value, "(read: stress_scale)", "keeps")
+    message_names(failure.value, "(read: contact_chords, stress_scale)", "keeps")
 
 
 def test_a_field_that_nobody_writes_is_refused_with_the_nearest_name(body):

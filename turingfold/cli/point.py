@@ -161,10 +161,10 @@ def _result(
     point: Point, scene: Scene, provenance: Mapping[str, Any], progress: Callable[[Row], object] | None
 ) -> Result:
     if point.keep == "summary":
-        return simulate(scene, progress=progress)
+        return simulate(scene, progress=progress, errors=False)
     return simulate(
         scene, point.folder, progress=progress, resume=not point.overwrite, overwrite=point.overwrite,
-        case=provenance, frames=20 if point.keep == "all" else 1,
+        case=provenance, frames=20 if point.keep == "all" else 1, errors=False,
     )  # fmt: skip
 
 
