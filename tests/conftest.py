@@ -30,7 +30,7 @@ def folded():
     return simulate(folding_scene())
 
 
-# slow tests that were not seen to pass on the last code of a session, when its time was over: CI runs them and
+# slow tests that were not seen to pass on the last code of a session, as its time was over: CI runs them and
 # says what came of each (XPASS, XFAIL), but does not fail by them; the list is to be emptied
 NOT_SEEN = (
     "test_arclength",
