@@ -10,8 +10,12 @@ its start as published, or the last one.
 
 The table is that of the source's appendix 1 in the plane: similarity to the published next stage for p = 1, 2
 and infinity, with four landmarks that need no clicks, the highest, lowest, left and right points; beside it
-what chance gives. Below the sections: published and grown stage 4 of the left side by 5, 15 and 25 elliptic
-Fourier descriptors.
+what chance gives. In all 18 rows the published length is reached, with up to 0.14 less gyrification index;
+as growth of area at g = 1.13 to 1.45, by the other laws at 1.18 to 1.80. In no row is the grown section more
+similar to the next stage at p = 1 than its ungrown start; but for left 1 to 2 a circle is more similar, too.
+Left 3 to 4 passes random foldings, 0.89 to 0.90 for up to 0.89; right 3 to 4 does not.
+
+Below the sections: published and grown stage 4 of the left side by 5, 15 and 25 elliptic Fourier descriptors.
 """
 
 import os
