@@ -151,7 +151,7 @@ def run_point(
         status, message = "stopped", f"memory is over ({error}); use larger elements, or fewer jobs."
     except OSError:
         raise
-    except Exception as error:
+    except Exception as error:  # of a part of the user's own, or a fault of ours: the other points go on
         return Outcome(point.name, "failed", f"{type(error).__name__}: {error}")
     _record(point, status, message, summary)
     return Outcome(point.name, status, message, summary)

@@ -98,14 +98,7 @@ def outline(
     step = _size(size, elements, depth, loops)
     walls = step / 4 if inset is None else positive("inset", inset)
     finest = _finest(fine, step, grading)
-    loops, notes = large_enough("points", loops, step)
-    if white is not None:
-        white, more = large_enough("interface", white, step)
-        notes += more
-    if ventricles:
-        ventricles, more = large_enough("holes", ventricles, step)
-        notes += more
-    given = Given(loops, placed_bases(loops, base_ends, step), white, ventricles, tuple(notes))
+    given = _given(loops, base_ends, white, ventricles, step)
     mean, mesh, changes = _filled(given, depth, (step, walls, smooth), finest, grading)
     if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
         warnings.warn(f"outline: {changes}; smaller elements follow it more closely.", stacklevel=2)
@@ -114,6 +107,23 @@ def outline(
     return Body(
         mesh, typical, base, layers, hole=hole, depth_by="thickness" if even else "interface", changes=changes
     )
+
+
+def _given(
+    loops: list[Array], base_ends: Any, white: list[Array] | None, holes: list[Array], step: float
+) -> Given:
+    """Return those of the curves that elements of a size can follow, with bases, and notes on the others."""
+    notes: list[str] = []
+
+    def followed(name: str, curves: list[Array]) -> list[Array]:
+        kept, more = large_enough(name, curves, step)
+        notes.extend(more)
+        return kept
+
+    loops = followed("points", loops)
+    white = None if white is None else followed("interface", white)
+    holes = followed("holes", holes) if holes else []
+    return Given(loops, placed_bases(loops, base_ends, step), white, holes, tuple(notes))
 
 
 def _finest(fine: Any, step: float, grading: float) -> Size:

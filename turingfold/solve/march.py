@@ -106,13 +106,7 @@ def march(
     stepping, until = scene.stepping, scene.until
     started = perf_counter()
     problem = problem or Problem(scene)
-    limits = stepping.tolerance, stepping.iterations
-    minimiser = Minimiser(problem.n_dofs, problem.held, *limits, progress.memory, stepping.solver)
-    if progress.memory is not None and progress.memory.point is not None:
-        last = TimeStep(progress.previous_dt, stepping.balance)
-        before = progress.state.updated(displacement=progress.past[-1].displacement)
-        minimiser.remember(problem.potentials(before, last), progress.memory.point)
-    minimiser.deadline = problem.deadline
+    minimiser = _minimiser(problem, progress)
     minimiser.effort.add("setting up", started)
     failures, overshot = 0, False  # of the present step; whether the last one went too far past its middle
     while progress.state.time < until * (1 - 1e-12):
@@ -158,6 +152,19 @@ def march(
         usual = max(progress.usual_dt / LONGER if past else progress.usual_dt, dt)
         progress = Progress(step.state, onward, dt, past, minimiser.memory, usual)
         yield step, progress
+
+
+def _minimiser(problem: Problem, progress: Progress) -> Minimiser:
+    """Return the minimiser of a scene, with what earlier steps left for the next ones."""
+    stepping, memory = problem.scene.stepping, progress.memory
+    limits = stepping.tolerance, stepping.iterations
+    minimiser = Minimiser(problem.n_dofs, problem.held, *limits, memory, stepping.solver)
+    if memory is not None and memory.point is not None:
+        last = TimeStep(progress.previous_dt, stepping.balance)
+        before = progress.state.updated(displacement=progress.past[-1].displacement)
+        minimiser.remember(problem.potentials(before, last), memory.point)
+    minimiser.deadline = problem.deadline
+    return minimiser
 
 
 def _length(progress: Progress, stepping: Stepping, until: float) -> float:
