@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from planar import area
 
-from turingfold import gyrification_index, read_outline
+from turingfold import gyrification_index, outline, read_outline
 
 BESIDE = Path(__file__).parents[3] / "shared" / "reference" / "sections"
 REAL = Path(os.environ.get("BRAIN_SECTIONS", BESIDE))
@@ -187,6 +187,14 @@ def test_straight_and_quadratic_path_commands(tmp_path):
 def test_shapes_have_their_areas_in_all_transforms(tmp_path, shape, exact, around, factor):
     found = read_outline(drawing(tmp_path, around.format(shape)), unit=1e-2).single()
     assert abs(area(found)) == pytest.approx(1e-4 * factor * exact, rel=1.5e-3)
+
+
+def test_a_path_closed_by_a_long_straight_segment_is_closed(tmp_path):
+    turns = np.linspace(0.0, np.pi, 101)  # half a disc: Z, its base, is 64 times as long as the others
+    arc = " ".join(f"L {np.cos(t):.9f} {np.sin(t):.9f}" for t in turns[1:])
+    loops = read_outline(drawing(tmp_path, f"<path d='M 1 0 {arc} Z'/>"), unit=1.0)
+    body = outline(loops.single(), thickness=0.2, size=0.1)
+    assert area(body.nodes[:, body.pial]) == pytest.approx(np.pi / 2, rel=1e-2)  # edges and the inset of walls
 
 
 def test_places_follow_transforms_and_the_viewbox(tmp_path):

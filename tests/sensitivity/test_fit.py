@@ -2,6 +2,7 @@
 
 import json
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from turingfold import (
     Scene,
     SelfContact,
     Stepping,
+    half,
     outline,
     semicircle,
     simulate,
@@ -150,6 +152,19 @@ def test_maps_are_checked_and_joined_round_closed_curves():
     for bad in ((1.2,), (1.2, -1.0), (1.2, float("nan"))):
         with pytest.raises(ValueError, match="cortex"):
             GrowthMap(cortex=bad)
+
+
+@pytest.mark.parametrize("part", [slice(None, 1), slice(-1, None)])
+def test_half_an_outline_is_refused(targets, part):
+    """A body would be stretched towards a half as if there were nothing of the other."""
+    points = targets[1.0]
+    middle = points.shape[1] // 2
+    one = points[:, : middle + 1] if part.stop else points[:, middle:]
+    with pytest.raises(ValueError, match=r"an end of targets\[1\] is .* from where the pial surface ends"):
+        fit(scene((1.1,) * 5), {1.0: one}, NAMES)
+    halved = replace(scene((1.1,) * 5), body=half(BODY), processes=(GrowthMap(cortex=(1.1,) * 3),))
+    with pytest.raises(ValueError, match=r"targets\[1\] reaches .* whole outline"):
+        fit(halved, {1.0: one}, NAMES[:3])
 
 
 def test_distances_of_many_points_are_exact_in_little_memory():

@@ -145,7 +145,9 @@ def _points(part: Any, transform: Any, samples: int) -> Array:
             points.append(complex(*segment.start))  # after Z, a part may begin without a move
         if isinstance(segment, svg.Move | svg.Line):
             points.append(complex(*segment.end))
-        elif not isinstance(segment, svg.Close):
+        elif isinstance(segment, svg.Close):
+            points += _closing(points)
+        else:
             quarters = abs(segment.sweep) / (np.pi / 2) if isinstance(segment, svg.Arc) else 1.0
             count = samples * max(1, round(quarters))
             points += [complex(*segment.point(t)) for t in np.arange(1, count + 1) / count]
@@ -155,3 +157,11 @@ def _points(part: Any, transform: Any, samples: int) -> Array:
     x, y = found.real, found.imag
     m = transform
     return np.stack([m.a * x + m.c * y + m.e, -(m.b * x + m.d * y + m.f)])
+
+
+def _closing(points: list[complex]) -> list[complex]:
+    """Return points along the straight segment that closes a path, as far apart as its points are at most."""
+    way = points[0] - points[-1]
+    longest = float(np.abs(np.diff(points)).max(initial=0.0))
+    count = int(np.ceil(abs(way) / longest)) if longest > 0 else 1
+    return [points[-1] + way * k / count for k in range(1, count)]

@@ -36,8 +36,13 @@ def pial_closed(body: Body) -> bool:
     return all(_mirror(body)[1:]) if body.mirror else body.pial_curve.closed
 
 
+def mirror_line(body: Body) -> float:
+    """Return x of a half body's mirror; m."""
+    return float(body.nodes[0, body.boundary_path("mirror")[0][0]])
+
+
 def _mirror(body: Body) -> tuple[float, bool, bool]:
     """Return x of the mirror, and whether the pial surface starts and ends on it."""
-    line = float(body.nodes[0, body.boundary_path("mirror")[0][0]])
+    line = mirror_line(body)
     first, last = np.abs(body.nodes[0, body.pial[[0, -1]]] - line) <= 1e-9 * body.length
     return line, bool(first), bool(last)

@@ -9,11 +9,13 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import finite_array, positive
+from ..geometry.body import Body
 from ..morphometry.walls import self_intersections
-from ..results.surface import pial_closed
+from ..results.surface import along_pial, mirror_line, pial_closed
 from ..scene import Scene
 
 FAR = 5.0  # a target this many times as large as the body, or as small, is in other units
+EVEN = 0.5  # the lesser of a target's two halves is at least this share of the other as wide
 
 
 def checked_targets(scene: Scene, targets: Mapping[float, Any]) -> dict[float, Array]:
@@ -35,5 +37,34 @@ def checked_targets(scene: Scene, targets: Mapping[float, Any]) -> dict[float, A
         crossings = self_intersections(curve, closed=pial_closed(body))
         if crossings:
             raise ValueError(f"targets[{age:g}] crosses itself {crossings} times; repair it, see `outline`.")
+        _check_both_halves(body, f"targets[{age:g}]", curve)
+        _check_ends(body, f"targets[{age:g}]", curve)
         found[float(age)] = curve
     return found
+
+
+def _check_both_halves(body: Body, name: str, curve: Array) -> None:
+    """Raise ValueError for an outline that lies mostly on one side of the body's mirror."""
+    if not body.mirror:
+        return
+    x = curve[0] - mirror_line(body)
+    if min(-x.min(), x.max()) < EVEN * max(-x.min(), x.max()):
+        raise ValueError(
+            f"{name} reaches from x = {curve[0].min():.3g} to {curve[0].max():.3g} m, and the body's mirror "
+            f"is at {mirror_line(body):.3g} m; give the whole outline, with the half beyond the mirror."
+        )
+
+
+def _check_ends(body: Body, name: str, curve: Array) -> None:
+    """Raise ValueError for an open outline whose ends are where those of the pial surface cannot come."""
+    if pial_closed(body):
+        return
+    rest, ends = along_pial(body, body.nodes[:, body.pial])[:, [0, -1]], curve[:, [0, -1]]
+    outer = body.pial[np.argmin(np.hypot(*(body.nodes[:, body.pial] - rest[:, -1:])))]
+    fixed = np.isin([2 * outer, 2 * outer + 1], body.supported)
+    off = min(float(np.hypot(*(fixed[:, None] * (ends[:, way] - rest))).max()) for way in ([0, 1], [1, 0]))
+    if off > body.thickness:
+        raise ValueError(
+            f"an end of {name} is {off:.3g} m from where the pial surface ends, which its base does not let "
+            f"it go; give the outline from {rest[:, 0].round(4)} to {rest[:, 1].round(4)} m or near."
+        )
