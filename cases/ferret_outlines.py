@@ -14,30 +14,16 @@ the most similar circle (0.91 and 0.89). `turingfold compare` prints these besid
 """
 
 import os
+from functools import partial
 from pathlib import Path
 
-import numpy as np
-
-from turingfold import RateGrowth, Scene, SelfContact, ferret, figures, outline, read_outline, run_case
+from turingfold import RateGrowth, Scene, SelfContact, ferret, figures, outline, perimeter, run_case
 from turingfold import parameters as p
 
 BESIDE = Path(__file__).parents[2] / "shared" / "reference" / "ferret"
 FOLDER = Path(os.environ.get("FERRET_OUTLINES", BESIDE))
+published = partial(ferret.published_outline, FOLDER)
 PUBLISHED = {"left": 1.401, "right": 1.233}  # gyrification index of stage 4
-
-
-def section(side, stage):
-    """Return the published outline, (2, n)."""
-    if not FOLDER.is_dir():
-        raise FileNotFoundError(
-            f"there is no folder {FOLDER}. This case reads outlines that do not come with turingfold: "
-            "coronal_q25_left_stage1.csv, ..._left_stage4.csv and both of right, each a closed curve with "
-            "the columns x,y, in units of the brain's radius. Cut them, at a quarter of the length, from the "
-            "surfaces in data/continuous of github.com/garyptchoi/ferret-brain-morphogenesis (Choi et al. "
-            "2025), put them into a folder, and set the environment variable FERRET_OUTLINES to it. For "
-            "outlines of your own: outline(read_outline(FILE).single(), thickness=...)"
-        )
-    return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv", unit=1.0).single()
 
 
 @p.quick(elements=2, until_left=0.1, until_right=0.1)
@@ -51,7 +37,7 @@ def scenes(
     found = {}
     for side, until in {"left": until_left, "right": until_right}.items():
         options = {"thickness": thickness, "elements": elements, "layers": "sigmoid"}
-        body = outline(section(side, 1), smooth=0.04, **options)
+        body = outline(published(side, 1), smooth=0.04, **options)
         grow = RateGrowth(rate=rate, thinning=thinning, zones=(ferret.BOTTOM,))
         terms = (ferret.tissue(bulk=bulk), SelfContact())
         found[side] = Scene(body=body, processes=(grow,), terms=terms, until=until)
@@ -68,13 +54,9 @@ def draw(results, figure):
         notes[f"{side}, grown"] = f"perimeter {ratio:.3f} times P0's; stage 4: GI {gi:.3f} (dotted)"
     drawn = figures.grid(figure, shown, columns=4, notes=notes, width=2.6)
     for axes, side in zip(drawn[1::2], results, strict=True):
-        x, y = section(side, 4)
+        x, y = published(side, 4)
         axes.fill(x, y, fill=False, linestyle=":", edgecolor=figures.INK, linewidth=0.8)
 
-
-def perimeter(points):
-    """Return the length of a closed polygon (2, n)."""
-    return float(np.hypot(*(points - np.roll(points, 1, axis=1))).sum())
 
 if __name__ == "__main__":
     run_case(__file__)

@@ -19,6 +19,7 @@ Below the sections: published and grown stage 4 of the left side by 5, 15 and 25
 """
 
 import os
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +35,7 @@ from turingfold import (
     fourier_descriptors,
     gyrification_index,
     outline,
-    read_outline,
+    perimeter,
     reconstruction_error,
     run_case,
     similarity_null,
@@ -43,19 +44,10 @@ from turingfold import parameters as p
 
 BESIDE = Path(__file__).parents[2] / "shared" / "reference" / "ferret"
 FOLDER = Path(os.environ.get("FERRET_OUTLINES", BESIDE))
+published = partial(ferret.published_outline, FOLDER)
 SIDES, STAGES, ORDERS = ("left", "right"), (1, 2, 3), (5, 15, 25)
 LAWS = {"rate": "rate law", "paper": "g = 1.9", "area": "g = 1.9, also across"}
 OURS, THEIRS = "#0072b2", "#d55e00"
-
-
-def published(side, stage):
-    """Return an outline, (2, n)."""
-    if not FOLDER.is_dir():
-        raise FileNotFoundError(
-            f"there is no folder {FOLDER}; set FERRET_OUTLINES to one with coronal_q25_left_stage1.csv etc., "
-            "sections at a quarter of the length of the surfaces published with Choi et al. 2025"
-        )
-    return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv", unit=1.0).single()
 
 
 @p.quick(elements=2, cortex=1.1)
@@ -132,11 +124,6 @@ def table(results):
                     }  # fmt: skip
                 rows.append(row)
     return rows
-
-
-def perimeter(points):
-    """Return the length of a closed polygon (2, n)."""
-    return float(np.hypot(*(points - np.roll(points, 1, axis=1))).sum())
 
 
 def draw(results, figure):

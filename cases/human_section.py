@@ -36,6 +36,7 @@ from turingfold import (
     human,
     morphological_closing,
     outline,
+    perimeter,
     read_outline,
     run_case,
     similarity_null,
@@ -117,11 +118,6 @@ def measured(name, points, T):
         "depth (mm)": 1e3 * folds.depth,
         "perimeter (mm)": 1e3 * perimeter(points),
     }
-
-
-def perimeter(points):
-    """Return the length of a closed polygon (2, n)."""
-    return float(np.hypot(*(points - np.roll(points, 1, axis=1))).sum())
 
 
 def computed(results):

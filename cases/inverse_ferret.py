@@ -16,6 +16,7 @@ are slices of a body in space, and their tissue leaves the plane.
 
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ from turingfold import (
     fit,
     outline,
     outline_distance,
-    read_outline,
+    perimeter,
     run_case,
     similarity_null,
     simulate,
@@ -40,23 +41,9 @@ from turingfold import parameters as p
 
 BESIDE = Path(__file__).parents[2] / "shared" / "reference" / "ferret"
 FOLDER = Path(os.environ.get("FERRET_OUTLINES", BESIDE))
+published = partial(ferret.published_outline, FOLDER)
 SIDES, PLACES = ("left", "right"), 16
 SMOOTH = 0.02  # weight of the second differences of the map
-
-
-def published(side, stage):
-    """Return an outline, (2, n)."""
-    if not FOLDER.is_dir():
-        raise FileNotFoundError(
-            f"there is no folder {FOLDER}; set FERRET_OUTLINES to one with coronal_q25_left_stage1.csv etc., "
-            "sections at a quarter of the length of the surfaces published with Choi et al. 2025"
-        )
-    return read_outline(FOLDER / f"coronal_q25_{side}_stage{stage}.csv", unit=1.0).single()
-
-
-def perimeter(points):
-    """Return the length of a closed polygon (2, n)."""
-    return float(np.hypot(*(points - np.roll(points, 1, axis=1))).sum())
 
 
 def body_of(side, stage, thickness, elements):

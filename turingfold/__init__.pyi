@@ -54,6 +54,7 @@ from .morphometry.fourier import fourier_descriptors as fourier_descriptors
 from .morphometry.fourier import reconstruction_error as reconstruction_error
 from .morphometry.landmarks import read_landmarks as read_landmarks
 from .morphometry.polyline import InnerWall as InnerWall
+from .morphometry.polyline import perimeter as perimeter
 from .morphometry.pose import outline_distance as outline_distance
 from .morphometry.registration import registration as registration
 from .morphometry.registration import registration_null as registration_null

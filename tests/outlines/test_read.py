@@ -194,7 +194,7 @@ def test_a_path_closed_by_a_long_straight_segment_is_closed(tmp_path):
     arc = " ".join(f"L {np.cos(t):.9f} {np.sin(t):.9f}" for t in turns[1:])
     loops = read_outline(drawing(tmp_path, f"<path d='M 1 0 {arc} Z'/>"), unit=1.0)
     body = outline(loops.single(), thickness=0.2, size=0.1)
-    assert area(body.nodes[:, body.pial]) == pytest.approx(np.pi / 2, rel=1e-2)  # edges and the inset of walls
+    assert area(body.nodes[:, body.pial]) == pytest.approx(np.pi / 2, rel=1e-2)
 
 
 def test_places_follow_transforms_and_the_viewbox(tmp_path):
