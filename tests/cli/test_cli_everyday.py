@@ -226,7 +226,12 @@ def test_a_table_grows_as_points_end_and_outlives_what_comes_after(tmp_path, mon
     def broken(*_):
         raise RuntimeError("no picture today")
 
-    monkeypatch.setattr("turingfold.cli.sweep._line", lambda end: seen.append(names()) or "")
+
+    def say(line):
+        if "converged" in line:
+            seen.append(names())
+
+    monkeypatch.setattr("turingfold.cli.sweep.say", say)
     monkeypatch.setattr("turingfold.cli.sweep.draw", broken)
     with pytest.raises(RuntimeError, match="no picture"):
         main(["sweep", "patch", "--quick", "--vary", "cortex=1.01,1.02"])
