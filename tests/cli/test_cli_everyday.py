@@ -228,7 +228,7 @@ def test_a_table_grows_as_points_end_and_outlives_what_comes_after(tmp_path, mon
 
 
     def say(line):
-        if "converged" in line:
+        if "converged at growth" in line:
             seen.append(names())
 
     monkeypatch.setattr("turingfold.cli.sweep.say", say)
