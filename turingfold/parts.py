@@ -131,6 +131,10 @@ class Evaluation(ABC):
         """Return a step in (0, 1] along a direction (2 n_nodes,) that keeps the state admissible: any."""
         return 1.0
 
+    def finer(self) -> Potential | None:
+        """Return a finer potential with which the step is to be taken again: none, this one does."""
+        return None
+
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return, of the fields that the term writes, those wanted: none."""
         return {}

@@ -144,6 +144,53 @@ def test_no_step_makes_curved_walls_overlap():
     assert 0.6 < bound < 0.75
 
 
+def bowed(at):
+    """A wall bows by h = 0.29 from x = 1 towards a corner opposite, which comes to x = `at`, ξ = 3/8.
+
+    The wall, x = 1 + 4 h ξ (1 - ξ), is at 1.272 there, its chord from 1/4 to 1/2 at 1.254 only.
+    """
+    body = slotted()
+    moved = body.nodes.copy()
+
+    def put(start, end):
+        moved[:, np.flatnonzero(np.hypot(*(body.nodes - np.array(start)[:, None])) < 1e-9)[0]] = end
+
+    put((1.0, 1.125), (1.29, 1.125))
+    corner, below, above = np.array([at, 1.09375]), np.array([2.0, 0.75]), np.array([2.0, 1.25])
+    put((1.3, 0.75), below)
+    put((1.3, 1.25), above)
+    put((1.3, 1.0), corner)
+    put((1.3, 0.875), 0.5 * (below + corner))
+    put((1.3, 1.125), 0.5 * (above + corner))
+    put((0.0, 1.125), (-0.29, 1.125))  # a wall that bows as far, with nothing in the way
+    return body, moved - body.nodes
+
+
+def test_a_step_after_which_curves_cross_is_taken_again_with_more_chords():
+    body, shift = bowed(at=1.263)
+    potential = SelfContact().on(body).during(state_of(body), STEP)
+    assert potential.evaluate(np.zeros(body.nodes.size)).finer() is None
+    assert potential.evaluate(by_node(0.5 * shift)).finer() is None
+    pial = (body.nodes + shift)[:, body.pial]
+    assert self_intersections(pial, closed=False, quadratic=True) > 0
+    seen = potential.evaluate(by_node(shift))
+    assert not seen.walls.cross(seen.positions)
+    finer = seen.finer()
+    assert finer.walls.counts.max() > potential.walls.counts.max()
+    assert finer.evaluate(np.zeros(body.nodes.size)).largest_step(by_node(shift)) < 1.0
+
+
+def test_only_edges_without_room_keep_their_chords():
+    body, shift = bowed(at=1.2725)  # nearer than chords keep apart
+    state = state_of(body).updated(displacement=shift)
+    operator = SelfContact().on(body)
+    counts = operator.during(state, STEP).walls.counts
+    middles = body.nodes[:, operator.nodes[operator.edges[1]]]
+    inner, outer = (int(np.argmin(np.hypot(middles[0] - x, middles[1] - 1.125))) for x in (1.0, 0.0))
+    assert counts[inner] == operator.counts[inner]
+    assert counts[outer] > operator.counts[outer]
+
+
 def test_the_smallest_gap_is_the_one_between_the_walls():
     body = slotted()
     potential = SelfContact().on(body).during(state_of(body), STEP)

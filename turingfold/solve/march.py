@@ -19,11 +19,11 @@ from ..errors import (
     StepTooLongError,
 )
 from ..geometry.body import by_node
-from ..parts import TimeStep
+from ..parts import Potential, TimeStep
 from ..scene import Scene
 from ..state import State
 from ..stepping import Stepping
-from .equilibrium import Memory
+from .equilibrium import Equilibrium, Memory
 from .newton import Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 from .problem import Configuration, Problem, configuration
@@ -33,6 +33,9 @@ LONGER = 1.3  # the next step after an easy one
 EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
 USUAL, SNAPS, DAMPED = "usual", "snaps", "damped"  # ways to take a step
 PATIENCE = 3  # halvings after failures, or by which a step is below the usual, before the body snaps
+REFINEMENTS = 3  # how often a step is taken again with finer potentials
+
+Potentials = tuple[Potential, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,13 +202,7 @@ def _attempt(
     potentials = problem.potentials(balanced, step)
     effort.add("processes", began)
     x = by_node(old["displacement"])
-    if way == SNAPS:
-        from .snap import Creep
-
-        creep = problem.kept("creep", Creep.of)
-        found = creep.to_minimum(minimiser, potentials, x)
-    else:
-        found = minimiser.minimise(potentials, x, _predicted(progress, dt))
+    found = _found(problem, minimiser, potentials, x, _predicted(progress, dt), way)
     at = found.at if step.balance == 1 else _at_end(problem, state, step, old, found.at)
     if at is not found.at:
         minimiser.forget()
@@ -229,6 +226,36 @@ def _attempt(
     for evaluation in at.evaluations:
         numbers |= evaluation.measure()
     return Step(state, at, numbers, dict(effort.seconds), onward)
+
+
+def _found(
+    problem: Problem, minimiser: Minimiser, potentials: Potentials, x: Array, ahead: Array | None, way: str
+) -> Equilibrium:
+    """Return the equilibrium after x, with potentials that are fine enough for it; ahead: where it may be."""
+    found = _equilibrium(problem, minimiser, potentials, x, ahead, way)
+    for _ in range(REFINEMENTS):
+        pairs = zip(potentials, found.at.evaluations, strict=True)
+        finer = tuple(evaluation.finer() or potential for potential, evaluation in pairs)
+        if all(one is other for one, other in zip(finer, potentials, strict=True)):
+            break
+        minimiser.forget()
+        try:
+            found, potentials = _equilibrium(problem, minimiser, finer, x, ahead, way), finer
+        except SolveError:
+            if way != SNAPS:  # a shorter step may do
+                raise
+            break
+    return found
+
+
+def _equilibrium(
+    problem: Problem, minimiser: Minimiser, potentials: Potentials, x: Array, ahead: Array | None, way: str
+) -> Equilibrium:
+    if way != SNAPS:
+        return minimiser.minimise(potentials, x, ahead)
+    from .snap import Creep
+
+    return problem.kept("creep", Creep.of).to_minimum(minimiser, potentials, x)
 
 
 def _at_end(problem: Problem, end: State, step: TimeStep, old: State, found: Configuration) -> Configuration:

@@ -9,7 +9,7 @@ rolling or mirrored body the base (or mirror) line continues outward as an obsta
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import ipctk
@@ -25,8 +25,8 @@ from ..state import State
 from .boundary import boundary_edges, counts, stays_straight, tissue_left
 from .creases import creases
 from .inversion import bounding, inversion
-from .obstacles import Obstacle, continued, joined
-from .walls import Walls
+from .obstacles import joined, obstacles
+from .walls import Walls, check_rest
 
 BEND = 0.1  # of its length: how far a boundary edge may bend before its chords miss more than half of APART
 APART = 0.05  # of dhat, which chords always keep between them
@@ -34,12 +34,6 @@ SOON = 3.0  # shortest distances between nodes: edges this close get places in t
 FEWEST, MOST = 4, 32  # chords of an edge
 MISSED = 1.0  # times what chords keep apart: they miss a bent edge by no more before it is made of more
 CHORDS = "contact_chords"  # of each edge, as a state was found, (1, m)
-MEETINGS = {
-    "body": ("itself", "outlines that keep their distance"),
-    "base": ("the line on which its base continues", "base_line=False"),
-    "mirror": ("the line of its mirror", "an outline that keeps its distance"),
-    "skull": ("the skull", "a wider one"),
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +99,9 @@ class ContactOperator(Operator):
         self.shortest, self.apart = shortest / body.length, APART * self.dhat
         triangles = bounding(body, boundary)
         self.nodes = np.unique(triangles)
-        fixed, fixed_edges, names = joined(_obstacles(body, term, shortest), self.nodes)
+        share = (1 + APART) * term.gap
+        lines = obstacles(body, shortest, term.base_line, term.skull, share)
+        fixed, fixed_edges, names = joined(lines, self.nodes)
         self.names = ["body"] * boundary.shape[1] + names  # of what each edge belongs to
         self.edges = np.concatenate([np.searchsorted(self.nodes, boundary), fixed_edges], axis=1)
         self.straight = np.append(stays_straight(body, boundary), np.ones(fixed_edges.shape[1], dtype=bool))
@@ -122,7 +118,7 @@ class ContactOperator(Operator):
         self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (4.63 * self.dhat**3))
         self.dofs = (2 * self.nodes[:, None] + np.arange(2)).ravel()
         self.n_dofs = body.nodes.size
-        self._check_rest(self.walls.positions(self.rest), centre)
+        check_rest(self.walls, self.rest, self.dhat, self.names, self.unit, centre)
 
     def moved(self, x: Array) -> Array:
         """Return the nodes of boundary and obstacles, (n, 2), at the displacement x."""
@@ -142,59 +138,69 @@ class ContactOperator(Operator):
     def _walls(self, numbers: Integers) -> Walls:
         return Walls(self.edges, numbers, self.rest, len(self.nodes), self.apart, self.shortest)
 
-    def _check_rest(self, at_rest: Array, centre: Array) -> None:
-        """Raise ValueError where walls cross at rest or are closer than dhat."""
-        walls = self.walls
-        if walls.cross(at_rest):
-            raise ValueError(
-                "SelfContact: the undeformed boundary crosses itself; repair the outline, or use smaller "
-                "elements where its walls are close."
-            )
-        found = walls.collisions(at_rest, self.dhat)
-        if found.empty():
-            return
-        vertices = [v for v in found[0].vertex_ids(walls.mesh.edges, walls.mesh.faces) if v >= 0]
-        met, remedy = MEETINGS[self.names[walls.chords.edge[vertices].max()]]  # obstacles come last
-        x, y = at_rest[min(vertices)] * self.unit + centre
-        raise ValueError(
-            f"SelfContact: the undeformed boundary comes closer to {met} than dhat = "
-            f"{self.dhat * self.unit:.3g} m, near ({x:.4g}, {y:.4g}) m; use a smaller gap, or {remedy}."
-        )
-
     def during(self, state: State, step: TimeStep) -> ContactPotential:
         """Return the barrier; edges that bend far are made of more chords than at rest."""
         scale = float(state["stress_scale"]) * self.unit**2
         points = self.moved(by_node(state["displacement"]))
-        seen = step.over and CHORDS in state
-        bends = np.hypot(*bend(points[self.edges].transpose(0, 2, 1)))
-        needed = state[CHORDS][0].astype(np.int64) if seen else self._counts(bends, MISSED)
-        numbers = np.maximum(self.counts, needed)
-        if (numbers == self.counts).all():
-            return ContactPotential(self, self.walls, scale)
-        finer = self._walls(numbers)
-        # where those are too close to each other to begin with, the coarser ones go on
-        usable = seen or finer.collisions(finer.positions(points), 1e-3 * self.dhat).empty()
-        return ContactPotential(self, finer if usable else self.walls, scale)
+        known = CHORDS in state
+        used = np.maximum(self.counts, state[CHORDS][0].astype(np.int64)) if known else self.counts
+        if known and step.over:
+            return ContactPotential(self, self.made_of(used), scale, points, used)
+        wanted = np.maximum(self.counts, self.needed(points))
+        return ContactPotential(self, self.following(wanted, points, used), scale, points, used)
+
+    def needed(self, points: Array) -> Integers:
+        """Return of how many chords each edge is to be made, (m,), with the nodes at `points`, (n, 2)."""
+        return self._counts(np.hypot(*bend(points[self.edges].transpose(0, 2, 1))), MISSED)
+
+    def following(self, wanted: Integers, points: Array, used: Integers) -> Walls:
+        """Return walls of as many chords as wanted, (m,), where the nodes are at `points`, (n, 2).
+
+        used: as many as do not cross there; edges whose new chords are too close to others keep as many.
+        """
+        wanted = wanted.copy()
+        while (wanted != used).any():
+            walls = self.made_of(wanted)
+            positions = walls.positions(points)
+            close = walls.edges_within(positions, 1e-3 * self.dhat)
+            if close.size == 0 and not walls.cross(positions):
+                return walls
+            if (wanted[close] == used[close]).all():
+                break
+            wanted[close] = used[close]
+        return self.made_of(used)
+
+    def made_of(self, numbers: Integers) -> Walls:
+        """Return the walls, each edge made of so many chords, (m,)."""
+        return self.walls if (numbers == self.counts).all() else self._walls(numbers)
 
 
 @dataclass(frozen=True)
 class ContactPotential(Potential):
-    """The barrier energy as a function of the displacement; `scale` is the unit of energy, J/m."""
+    """The barrier energy as a function of the displacement.
+
+    scale: the unit of energy, J/m.  start: the nodes at the start of the step, (n, 2).  used: of how many
+    chords each edge was made then, (m,).
+    """
 
     operator: ContactOperator
     walls: Walls
     scale: float
+    start: Array
+    used: Integers
 
     def evaluate(self, x: Array) -> ContactEvaluation:
         """Return energy and derivatives at x."""
-        return ContactEvaluation(self.operator, self.walls, self.scale, x)
+        return ContactEvaluation(self, x)
 
 
 class ContactEvaluation(Evaluation):
     """Barrier energy at one displacement."""
 
-    def __init__(self, operator: ContactOperator, walls: Walls, scale: float, x: Array) -> None:
-        self.operator, self.walls, self.scale, self.x = operator, walls, scale, x
+    def __init__(self, potential: ContactPotential, x: Array) -> None:
+        self.potential, self.x = potential, x
+        self.operator, self.walls, self.scale = potential.operator, potential.walls, potential.scale
+        operator, walls, scale = self.operator, self.walls, self.scale
         self.points = operator.moved(x)
         self.positions = walls.positions(self.points)
         self.collisions = walls.collisions(self.positions, operator.dhat)
@@ -249,6 +255,18 @@ class ContactEvaluation(Evaluation):
         bounds = [barrier.largest_step(self.points, end) for barrier in self.operator.barriers]
         return min(self.walls.largest_step(self.positions, self.walls.positions(end)), *bounds)
 
+    def finer(self) -> ContactPotential | None:
+        """Return the barrier of more chords, if edges bent so far in this step that curved walls cross."""
+        operator, potential = self.operator, self.potential
+        wanted = np.maximum(self.walls.counts, operator.needed(self.points))
+        if (wanted == self.walls.counts).all():
+            return None
+        seen = operator.made_of(wanted)
+        if not seen.cross(seen.positions(self.points)):
+            return None
+        walls = operator.following(wanted, potential.start, potential.used)
+        return None if (walls.counts == self.walls.counts).all() else replace(potential, walls=walls)
+
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return of how many chords each edge is made, (1, m)."""
         return {CHORDS: self.walls.counts[None].astype(float)}
@@ -266,17 +284,3 @@ class ContactEvaluation(Evaluation):
         dofs = np.sort((2 * nodes[..., None] + np.arange(2)).reshape(len(pairs), 12), axis=1)
         columns, rows = np.triu_indices(12)
         return Entries(dofs[:, rows], dofs[:, columns])
-
-
-def _obstacles(body: Body, term: SelfContact, clearance: float) -> list[Obstacle]:
-    """Return the lines that go on from the body's ends and the skull; raises ValueError for a bad skull."""
-    lines = continued(body, clearance, term.base_line)
-    if term.skull is None:
-        return lines
-    from .skull import check_clear, check_skull
-
-    skull = np.asarray(term.skull, dtype=float)
-    check_skull(body, skull)
-    ways = np.array([line.points[:, [0, -1]] for line in lines]).reshape(-1, 2, 2).transpose(2, 1, 0)
-    check_clear(skull, ways, (1 + APART) * term.gap * clearance)
-    return [*lines, Obstacle("skull", skull)]

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arrays import Array, Integers
 from ..geometry.body import Body
@@ -22,6 +23,26 @@ class Obstacle:
     name: str
     points: Array
     start: int | None = None
+
+
+def obstacles(
+    body: Body, clearance: float, base_line: bool, skull: ArrayLike | None, share: float
+) -> list[Obstacle]:
+    """Return the lines that go on from the body's ends, and the skull; ValueError for a bad skull.
+
+    clearance: the shortest distance between neighbouring boundary nodes, m.  share: of it, that the skull's
+    ends keep from the lines.
+    """
+    lines = continued(body, clearance, base_line)
+    if skull is None:
+        return lines
+    from .skull import check_clear, check_skull
+
+    points = np.asarray(skull, dtype=float)
+    check_skull(body, points)
+    ways = np.array([line.points[:, [0, -1]] for line in lines]).reshape(-1, 2, 2).transpose(2, 1, 0)
+    check_clear(points, ways, share * clearance)
+    return [*lines, Obstacle("skull", points)]
 
 
 def continued(body: Body, clearance: float, base_line: bool) -> list[Obstacle]:

@@ -5,6 +5,8 @@ The distances are those of incremental potential contact (Li et al. 2020), found
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import ipctk
 import numpy as np
 from scipy.sparse import kron
@@ -13,6 +15,13 @@ from scipy.spatial import cKDTree
 from ..arrays import Array, Integers
 from ..geometry.quadratic import distance, gap
 from .boundary import chords, neighbours
+
+MEETINGS = {
+    "body": ("itself", "outlines that keep their distance"),
+    "base": ("the line on which its base continues", "base_line=False"),
+    "mirror": ("the line of its mirror", "an outline that keeps its distance"),
+    "skull": ("the skull", "a wider one"),
+}
 
 
 class Walls:
@@ -47,6 +56,13 @@ class Walls:
         found.use_area_weighting = True
         found.build(self.mesh, positions, within, self.apart, ipctk.SweepAndPrune())
         return found
+
+    def edges_within(self, positions: Array, within: float) -> Integers:
+        """Return the edges, (n,), of which a chord is closer than `within`, beside what chords keep apart."""
+        found, chords = self.collisions(positions, within), self.chords
+        at = [(chords.edge[c.vertex_id], chords.edge_of[c.edge_id]) for c in found.ev_collisions]
+        at += [(chords.edge[c.vertex0_id], chords.edge[c.vertex1_id]) for c in found.vv_collisions]
+        return np.unique(np.array(at, dtype=np.int64))
 
     def cross(self, positions: Array) -> bool:
         """Return whether chords cross each other."""
@@ -84,3 +100,28 @@ class Walls:
         tree = cKDTree(positions[: self.chords.moving])
         pairs = tree.query_pairs(within, output_type="ndarray")
         return np.asarray(np.unique(self.chords.edge[pairs], axis=0))
+
+
+def check_rest(
+    walls: Walls, rest: Array, dhat: float, names: Sequence[str], unit: float, centre: Array
+) -> None:
+    """Raise ValueError where walls cross at rest or are closer than dhat.
+
+    rest: nodes, (n, 2), in units of `unit` m about `centre`.  names: of what each edge belongs to.
+    """
+    at_rest = walls.positions(rest)
+    if walls.cross(at_rest):
+        raise ValueError(
+            "SelfContact: the undeformed boundary crosses itself; repair the outline, or use smaller "
+            "elements where its walls are close."
+        )
+    found = walls.collisions(at_rest, dhat)
+    if found.empty():
+        return
+    vertices = [v for v in found[0].vertex_ids(walls.mesh.edges, walls.mesh.faces) if v >= 0]
+    met, remedy = MEETINGS[names[walls.chords.edge[vertices].max()]]  # obstacles come last
+    x, y = at_rest[min(vertices)] * unit + centre
+    raise ValueError(
+        f"SelfContact: the undeformed boundary comes closer to {met} than dhat = {dhat * unit:.3g} m, near "
+        f"({x:.4g}, {y:.4g}) m; use a smaller gap, or {remedy}."
+    )
