@@ -1,4 +1,4 @@
-"""Figure 2: pattern, tension and growth of the whole brain fold the semi-ellipse. About 20 s.
+"""Figure 2: pattern, tension and growth of the whole brain fold the semi-ellipse. About 30 s.
 
     turingfold run cases/figure2.py      stores results/figure2, draws figures/figure2.png
 
@@ -8,7 +8,7 @@ our choice. The cortex has the same thickness everywhere. The pattern has 20 hal
 peak at each end of the pial surface. Without pattern the axons pull equally at as many places.
 """
 
-from turingfold import figures, human, run_case, semiellipse
+from turingfold import figures, half, human, run_case, semiellipse
 from turingfold import parameters as p
 
 
@@ -17,6 +17,7 @@ def scenes(
     quick=False, *,
     width: p.Width = 2 * 0.0404, height: p.Height = 0.74 * 0.0404, thickness: p.Thickness = 2.5e-3,
     elements: p.Elements = 6, base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0,
+    halved: p.Halved = False,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
     growth_law: p.GrowthLaw = "prescribed",
@@ -29,7 +30,8 @@ def scenes(
     )
     half_waves = half_waves or human.half_waves(body, width=2.22)
     scene = human.brain(
-        body, young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers,
+        half(body) if halved else body, young_gray=young_gray, young_white=young_white, poisson=poisson,
+        two_layers=two_layers,
         cortex=cortex, core=core, radial_core=radial_core, swelling=swelling, growth_law=growth_law,
         kinetics=kinetics, half_waves=half_waves, strength=strength, pattern=pattern, tension=tension,
         loads=loads, dynamics=dynamics, duration=duration, seed=seed,

@@ -1,4 +1,4 @@
-"""Figure 3: pattern, tension and growth of the whole brain fold the semi-circle. About 20 s.
+"""Figure 3: pattern, tension and growth of the whole brain fold the semi-circle. About 30 s.
 
     turingfold run cases/figure3.py      stores results/figure3, draws figures/figure3.png
 
@@ -10,10 +10,11 @@ and half a peak at each end of the pial surface. Without pattern the axons pull 
     --set core=1 --set radial_core=1 --set swelling=0 --set cortex=1.9      only the cortex grows
     --set growth_law=stress   the core grows in response to the stress that it bears
     --set loads=figure1       arrows on the pial surface in place of the tension (sulci on the peaks)
+    --set halved=on           half is computed, and mirrored: half the time; what is not symmetric is not seen
     --set dynamics=on         with inertia, from rest, within `duration`; minutes
 """
 
-from turingfold import figures, human, run_case, semicircle
+from turingfold import figures, half, human, run_case, semicircle
 from turingfold import parameters as p
 
 
@@ -22,6 +23,7 @@ def scenes(
     quick=False, *,
     radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
     base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0,
+    halved: p.Halved = False,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
     growth_law: p.GrowthLaw = "prescribed",
@@ -31,7 +33,8 @@ def scenes(
 ):  # fmt: skip
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base, layers=layers)
     scene = human.brain(
-        body, young_gray=young_gray, young_white=young_white, poisson=poisson, two_layers=two_layers,
+        half(body) if halved else body, young_gray=young_gray, young_white=young_white, poisson=poisson,
+        two_layers=two_layers,
         cortex=cortex, core=core, radial_core=radial_core, swelling=swelling, growth_law=growth_law,
         kinetics=kinetics, half_waves=half_waves, strength=strength, pattern=pattern, tension=tension,
         loads=loads, dynamics=dynamics, duration=duration, seed=seed,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from turingfold import BoundaryLoads, TangentialGrowth, half, human, semicircle, simulate
-from turingfold.cli.case import folder_name, load_case
+from turingfold.cli.case import find_case, folder_name, load_case
 from turingfold.cli.main import main
 from turingfold.results.codec import decode
 from turingfold.results.document import stored
@@ -205,6 +205,19 @@ def check(summary):
     assert summary["converged"] is True
     assert summary["self_intersections"] == summary["inverted_elements"] == 0
     assert summary["min_jacobian"] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["figure2", "figure3"])
+def test_half_of_a_brain_folds_as_the_whole(name):
+    case = find_case(name)
+    whole, right = (
+        simulate(case.scenes({"halved": halved}, quick=True)["three hypotheses"]).summary()
+        for halved in (False, True)
+    )
+    assert whole["folds"] == right["folds"]
+    assert right["gyrification_index"] == pytest.approx(whole["gyrification_index"], rel=1e-3)
+    assert 2 * right["energy"] == pytest.approx(whole["energy"], rel=1e-3)
 
 
 def test_figure_3_has_a_gyrus_on_each_peak():

@@ -31,6 +31,7 @@ Layers = Annotated[str, Parameter(label="how gray turns to white matter", choice
 YoungGray = Annotated[float, Parameter("Pa", *MODULUS, "Young's modulus of gray matter")]
 YoungWhite = Annotated[float, Parameter("Pa", *MODULUS, "Young's modulus of white matter")]
 Poisson = Annotated[float, Parameter("", 0.0, 0.4999, "Poisson's ratio of both layers")]
+Halved = Annotated[bool, Parameter(label="one half is computed, the other is its mirror image")]
 TwoLayers = Annotated[bool, Parameter(label="white matter has a modulus of its own (DGH)")]
 Cortex = Annotated[float, Parameter("", 0.3, 5, "tangential growth of the cortex", remedy=GROWTH)]
 Core = Annotated[float, Parameter("", 0.3, 5, "tangential growth of the core", remedy=GROWTH)]
