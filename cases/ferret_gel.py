@@ -1,4 +1,4 @@
-"""Gel brains: a coat of 1, 4 or 8 layers that swells from outside folds the finer the thinner it is. 45 s.
+"""Gel brains: a coat of 1, 4 or 8 layers that swells from outside folds the finer the thinner it is. 7 min.
 
     turingfold run cases/ferret_gel.py      draws figures/ferret_gel.png
 

@@ -1,4 +1,4 @@
-"""Ferret, mesh independence: 1 : 4 : 8 : 12 times as many triangles in the cortex. About 70 s.
+"""Ferret, mesh independence: 1 : 4 : 8 : 12 times as many triangles in the cortex. About 2 min.
 
     turingfold run cases/ferret_mesh.py -j 2      draws figures/ferret_mesh.png
 
