@@ -131,6 +131,7 @@ from .turing.kinetics.named import kinetics_named as kinetics_named
 from .turing.kinetics.user import UserKinetics as UserKinetics
 from .turing.modes import sign_changes as sign_changes
 from .turing.process import Turing as Turing
+from .turing.seeded import SeededPattern as SeededPattern
 from .turing.stability import conditions as conditions
 from .turing.stability import dispersion as dispersion
 from .turing.stability import hopf_boundary as hopf_boundary

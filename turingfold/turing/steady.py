@@ -99,18 +99,25 @@ def settle(
     tolerance: float = 1e-2,
     tolerated: float = 0.0,
     deadline: float = math.inf,
+    least: Array | float = 0.0,
 ) -> SteadyState:
     """Run from a start until the pattern stands, polish it with Newton's method, and certify it.
 
     until, steps: longest time and largest number of steps to run.  tolerated: rate up to which a perturbation
     may grow.
     tolerance: local error of the run, relative; the end point does not depend on it.
-    deadline: of `time.perf_counter`.
-    Raises NotConvergedError if nothing stable is reached by then.
+    deadline: of `time.perf_counter`.  least: heights, (2,), below which nothing is left of a pattern.
+    Raises NotConvergedError if nothing stable is reached by then, or nothing is left.
     """
     still_below, leading, moment = 1e-3, complex(math.nan), None
     for moment in march(system, start, until=until, tolerance=tolerance):
         check_deadline(deadline, moment.time)
+        if (np.ptp(moment.state, axis=1) < least).all():
+            raise NotConvergedError(
+                f"nothing is left of the disturbance at time {moment.time:.6g}: make it stronger or "
+                "wider, or take diffusivities for which a pattern exists.",
+                time=moment.time,
+            )
         if relative_rate(system, moment.state) < still_below:
             still_below *= 0.1  # a state at rest may be unstable: then run on until it moves ten times less
             try:

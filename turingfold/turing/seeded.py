@@ -1,0 +1,138 @@
+"""Patterns that only a large, local disturbance starts: the uniform state is stable, and yet not alone."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from ..checks import finite_array, instance, one_of, positive
+from ..geometry.body import Body
+from ..parts import Fields, LongEvolution, Process
+from ..state import State
+from .kinetics.base import Kinetics
+from .pattern import normalised
+from .process import WRITTEN, refuse_negative
+from .reaction_diffusion import ReactionDiffusion, discretise
+from .steady import continue_on_finer, settle
+
+UNEVEN = 0.01  # by how much seeds are stronger at the end of the surface
+FLAT = 1e-3  # share of the height of the seeds below which nothing is left of them
+
+
+@dataclass(frozen=True)
+class SeededPattern(Process):
+    """Steady pattern on the cortical band that grows from local disturbances of a stable uniform state.
+
+    No Turing instability is needed: the spots and stripes of Gray and Scott's model grow, split and spread
+    from seeds that are large enough (Pearson, Science 261, 189, 1993), where every small disturbance dies.
+    kinetics: the reaction.  d_u, d_v: diffusivities, m² per unit of the kinetics' time.
+    disturbed: (u, v) of the seeds.  uniform: (u, v) elsewhere, a steady state of the kinetics; by default its
+    first one.
+    places: middles of the seeds, in shares of the pial surface's length from its start.  width: of a seed
+    along the surface, m; it reaches through the whole band. Seeds are stronger by 1 % at the surface's end
+    than at its start, as patterns that are their own mirror image may stand still and be unstable.
+    activator: the species, "u" or "v", that is read as the activator.
+    time: longest run, in units of the kinetics' time. Spots push each other apart ever more slowly: where
+    disturbances of a pattern grow more slowly than 1/time it counts as steady.
+
+    Writes "activator", "inhibitor" and "pattern", as `Turing` does. Raises ValueError for places outside
+    [0, 1], seeds that no node lies in and a uniform state that is none; NotConvergedError where the
+    disturbances die or no stable pattern is reached.
+    """
+
+    kinetics: Kinetics
+    _: KW_ONLY
+    d_u: float
+    d_v: float
+    disturbed: tuple[float, float]
+    places: tuple[float, ...]
+    width: float
+    activator: str = "v"
+    uniform: tuple[float, float] | None = None
+    time: float = 1e5
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        instance("kinetics", self.kinetics, Kinetics, "GrayScott(F=0.04, k=0.06)")
+        for name in ("d_u", "d_v", "width", "time"):
+            positive(name, getattr(self, name))
+        one_of("activator", self.activator, ("u", "v"))
+        finite_array("disturbed", self.disturbed, (2,))
+        places = finite_array("places", self.places, (None,))
+        if places.size == 0 or places.min() < 0 or places.max() > 1:
+            raise ValueError(f"places={self.places!r} must be shares of the pial length, from 0 to 1.")
+        states = np.array(self.kinetics.steady_states()).reshape(-1, 2)
+        if self.uniform is None and not len(states):
+            raise ValueError(f"{type(self.kinetics).__name__} has no steady state; use other parameters.")
+        given = states[0] if self.uniform is None else finite_array("uniform", self.uniform, (2,))
+        rates = np.array(self.kinetics.rates(*given[:, None])).ravel()
+        if np.abs(rates).max() > 1e-6 * max(1.0, np.abs(given).max()):
+            raise ValueError(
+                f"uniform={self.uniform!r} is not steady, its rates are {rates.tolist()}; the steady states "
+                f"are {states.tolist()}."
+            )
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Both species, and the activator from 0 to 1."""
+        return WRITTEN
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """All: a pattern is a result in itself."""
+        return WRITTEN
+
+    def on(self, body: Body) -> SeededOnBody:
+        """Return the pattern on a body."""
+        return SeededOnBody(self, body)
+
+
+class SeededOnBody(LongEvolution):
+    """A pattern of one body."""
+
+    def __init__(self, pattern: SeededPattern, body: Body) -> None:
+        """Make the linear and quadratic elements of the band."""
+        self.pattern = pattern
+        mesh = body.cortex.mesh
+        self.linear, self.quadratic = (
+            ReactionDiffusion(discretise(mesh, degree), pattern.kinetics, pattern.d_u, pattern.d_v)
+            for degree in (1, 2)
+        )
+        self.facets = mesh.facets
+        curve = body.pial_curve
+        along = curve.nearest(self.linear.space.nodes)[2]
+        self.along = along / curve.length
+        apart = np.abs(along[:, None] - curve.length * np.array(pattern.places))
+        if curve.closed:
+            apart = np.minimum(apart, curve.length - apart)
+        self.seeds = apart <= 0.5 * pattern.width
+        if not self.seeds.any(axis=0).all():
+            raise ValueError(
+                f"width={pattern.width:g} m: no node of the band lies in a seed so narrow; make it wider "
+                f"than an element, {self.linear.space.edge:.3g} m."
+            )
+
+    def start(self, state: State, seed: int) -> Fields:
+        """Return the steady pattern's fields."""
+        own = self.pattern
+        uniform = own.uniform or own.kinetics.steady_states()[0]
+        inside = self.seeds.any(axis=1)
+        level = np.array(uniform)[:, None]
+        strength = inside * (1.0 + UNEVEN * self.along)
+        begin = level + strength * (np.array(own.disturbed)[:, None] - level)
+        drift = 1 / own.time
+        settled = settle(
+            self.linear, begin, until=own.time, steps=20_000, tolerated=drift, deadline=self.deadline,
+            least=FLAT * np.ptp(begin, axis=1),
+        )  # fmt: skip
+        vertices = settled.state
+        guess = np.concatenate([vertices, vertices[:, self.facets].mean(axis=1)], axis=1)
+        found = continue_on_finer(self.quadratic, settled, guess, tolerated=drift).state
+        refuse_negative(own.kinetics, found)
+        activator, inhibitor = found if own.activator == "u" else found[::-1]
+        return {"activator": activator, "inhibitor": inhibitor, "pattern": normalised(activator)}
+
+    def advance(self, before: State, now: State, dt: float) -> Fields:
+        """Return nothing: the pattern is steady on the undeformed band."""
+        return {}
