@@ -63,7 +63,8 @@ def test_the_figures_have_the_parameters_of_document_1(name):
     shape = {"radius"} if name == "figure3" else {"width", "height"}
     wanted = (
         "thickness elements young_gray young_white poisson cortex core radial_core swelling growth_law "
-        "strength half_waves kinetics tension pattern two_layers halved loads dynamics duration base layers seed"
+        "strength half_waves kinetics tension pattern two_layers loads dynamics duration base layers seed "
+        "halved"
     )
     assert load_case(path).parameters.keys() == shape | set(wanted.split())
 
