@@ -15,6 +15,7 @@ from turingfold import (
     Imperfection,
     NeoHookean,
     RateGrowth,
+    SeededPattern,
     StiffnessDamping,
     StressGrowth,
     Swelling,
@@ -31,6 +32,10 @@ PATTERN = Turing(KINETICS["Schnakenberg"](), half_waves=4)
 PROCESSES = [
     PATTERN,
     EvolvingTuring(PATTERN, pace=10.0),
+    SeededPattern(
+        KINETICS["GrayScott"](F=0.04, k=0.06), d_u=2e-6, d_v=1e-6,
+        disturbed=(0.5, 0.25), places=(0.5,), width=0.02,
+    ),
     TangentialGrowth(cortex=1.5, core=1.1, radial_core=1.2, swelling_core=1.1, modulation=0.5, thinning=0.2),
     GrowthMap(cortex=(1.2, 1.6, 1.3)),
     GrowthTable(at=(28.0, 40.0), cortex=((1.0, 1.0), (1.5, 1.8)), places=(0.2, 0.7), of="area"),
