@@ -9,7 +9,7 @@ def __getattr__(name: str) -> object:
 
     attached = lazy_loader.attach_stub(__name__, __file__)
     globals().update(zip(("__getattr__", "__dir__", "__all__"), attached, strict=True))
-    return globals().get(name) or attached[0](name)
+    return attached[2] if name == "__all__" else attached[0](name)
 
 
 def __dir__() -> list[str]:

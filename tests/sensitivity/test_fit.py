@@ -15,14 +15,17 @@ from turingfold import (
     Scene,
     SelfContact,
     Stepping,
+    TangentialGrowth,
     half,
     outline,
     semicircle,
     simulate,
 )  # fmt: skip
 from turingfold.morphometry.distance import signed_distance
+from turingfold.results.surface import along_pial
 from turingfold.sensitivity.fit import fit
 from turingfold.sensitivity.smoothing import corner
+from turingfold.sensitivity.targets import checked_targets
 
 HIDDEN = (1.3, 1.15, 1.25, 1.1, 1.2)
 NAMES = tuple(f"GrowthMap.cortex.{k}" for k in range(len(HIDDEN)))
@@ -165,6 +168,17 @@ def test_half_an_outline_is_refused(targets, part):
     halved = replace(scene((1.1,) * 5), body=half(BODY), processes=(GrowthMap(cortex=(1.1,) * 3),))
     with pytest.raises(ValueError, match=r"targets\[1\] reaches .* whole outline"):
         fit(halved, {1.0: one}, NAMES[:3])
+
+
+def test_half_a_body_on_rollers_may_grow_beyond_its_base():
+    """Its ends slide along the base by several thicknesses; those of the target lie there, too."""
+    body = semicircle(radius=1.0, thickness=0.1, elements=1, base="roller")
+    grow = TangentialGrowth(cortex=1.4, core=1.4)
+    made = Scene(body=half(body), terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),), processes=(grow,))
+    target = 1.4 * along_pial(made.body, made.body.nodes[:, made.body.pial])
+    assert list(checked_targets(made, {1.0: target})) == [1.0]
+    with pytest.raises(ValueError, match="from where the pial surface ends"):
+        checked_targets(made, {1.0: target + np.array([[0.0], [0.3]])})
 
 
 def test_distances_of_many_points_are_exact_in_little_memory():

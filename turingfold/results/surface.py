@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..geometry.body import Body
 from ..morphometry.polyline import InnerWall, enclosed_area
 
@@ -39,6 +39,12 @@ def pial_closed(body: Body) -> bool:
 def mirror_line(body: Body) -> float:
     """Return x of a half body's mirror; m."""
     return float(body.nodes[0, body.boundary_path("mirror")[0][0]])
+
+
+def outer_ends(body: Body) -> Integers:
+    """Return the nodes, (1 or 2,), at which an open pial surface ends that is completed by its image."""
+    ends = body.pial[[0, -1]]
+    return ends[~np.array(_mirror(body)[1:])] if body.mirror else ends
 
 
 def _mirror(body: Body) -> tuple[float, bool, bool]:

@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..checks import finite_array, positive
 from ..geometry.body import Body
 from ..morphometry.walls import self_intersections
-from ..results.surface import along_pial, mirror_line, pial_closed
+from ..results.surface import along_pial, mirror_line, outer_ends, pial_closed
 from ..scene import Scene
 
 FAR = 5.0  # a target this many times as large as the body, or as small, is in other units
@@ -60,8 +60,8 @@ def _check_ends(body: Body, name: str, curve: Array) -> None:
     if pial_closed(body):
         return
     rest, ends = along_pial(body, body.nodes[:, body.pial])[:, [0, -1]], curve[:, [0, -1]]
-    outer = body.pial[np.argmin(np.hypot(*(body.nodes[:, body.pial] - rest[:, -1:])))]
-    fixed = np.isin([2 * outer, 2 * outer + 1], body.supported)
+    outer = outer_ends(body)
+    fixed = np.asarray(np.isin([2 * outer, 2 * outer + 1], body.supported).all(axis=1))
     off = min(float(np.hypot(*(fixed[:, None] * (ends[:, way] - rest))).max()) for way in ([0, 1], [1, 0]))
     if off > body.thickness:
         raise ValueError(

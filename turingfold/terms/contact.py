@@ -146,12 +146,12 @@ class ContactOperator(Operator):
         used = np.maximum(self.counts, state[CHORDS][0].astype(np.int64)) if known else self.counts
         if known and step.over:
             return ContactPotential(self, self.made_of(used), scale, points, used)
-        wanted = np.maximum(self.counts, self.needed(points))
-        return ContactPotential(self, self.following(wanted, points, used), scale, points, used)
+        return ContactPotential(self, self.following(self.needed(points), points, used), scale, points, used)
 
     def needed(self, points: Array) -> Integers:
         """Return of how many chords each edge is to be made, (m,), with the nodes at `points`, (n, 2)."""
-        return self._counts(np.hypot(*bend(points[self.edges].transpose(0, 2, 1))), MISSED)
+        bends = np.hypot(*bend(points[self.edges].transpose(0, 2, 1)))
+        return np.maximum(self.counts, self._counts(bends, MISSED))
 
     def following(self, wanted: Integers, points: Array, used: Integers) -> Walls:
         """Return walls of as many chords as wanted, (m,), where the nodes are at `points`, (n, 2).
@@ -199,8 +199,8 @@ class ContactEvaluation(Evaluation):
 
     def __init__(self, potential: ContactPotential, x: Array) -> None:
         self.potential, self.x = potential, x
-        self.operator, self.walls, self.scale = potential.operator, potential.walls, potential.scale
-        operator, walls, scale = self.operator, self.walls, self.scale
+        self.operator = operator = potential.operator
+        self.walls, self.scale = walls, scale = potential.walls, potential.scale
         self.points = operator.moved(x)
         self.positions = walls.positions(self.points)
         self.collisions = walls.collisions(self.positions, operator.dhat)

@@ -7,6 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 from time import perf_counter
 
 import numpy as np
+from skfem import MeshTri1
 
 from ..arrays import Array, Integers
 from ..checks import one_of, positive, whole
@@ -25,8 +26,22 @@ WRITTEN = ("activator", "inhibitor", "pattern")
 DRIFT = 1e-2  # of the rate at which the pattern forms: it may drift along a closed band that slowly
 
 
+class Morphogens(Process):
+    """A pattern of two species on the cortical band."""
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Both species, and the activator from 0 to 1."""
+        return WRITTEN
+
+    @property
+    def keeps(self) -> tuple[str, ...]:
+        """All: a pattern is a result in itself."""
+        return WRITTEN
+
+
 @dataclass(frozen=True)
-class Turing(Process):
+class Turing(Morphogens):
     """Steady Turing pattern on the cortical band, with a chosen number of half waves along it.
 
     kinetics: the reaction; must be Turing-unstable at `ratio`.
@@ -68,16 +83,6 @@ class Turing(Process):
                 "mirror-symmetric; use an even number or symmetric=False."
             )
         turing_unstable_at(self.kinetics, self.ratio)
-
-    @property
-    def writes(self) -> tuple[str, ...]:
-        """Both species, and the activator from 0 to 1."""
-        return WRITTEN
-
-    @property
-    def keeps(self) -> tuple[str, ...]:
-        """All: a pattern is a result in itself."""
-        return WRITTEN
 
     def on(self, body: Body) -> SteadyOnBody:
         """Return the pattern on a body."""
@@ -163,7 +168,15 @@ class Turing(Process):
         return np.asarray(strengths @ np.cos(np.pi * np.outer(orders, along)))
 
 
-class SteadyOnBody(LongEvolution):
+class Steady(LongEvolution):
+    """A pattern that is there from the start and stays as it is on the undeformed band."""
+
+    def advance(self, before: State, now: State, dt: float) -> Fields:
+        """Return nothing."""
+        return {}
+
+
+class SteadyOnBody(Steady):
     """A steady pattern on one body."""
 
     def __init__(self, turing: Turing, body: Body) -> None:
@@ -179,11 +192,6 @@ class SteadyOnBody(LongEvolution):
             "pattern": pattern.normalised,
         }
 
-    def advance(self, before: State, now: State, dt: float) -> Fields:
-        """Return nothing: the pattern is steady on the undeformed band."""
-        return {}
-
-
 def _linear_first(turing: Turing, body: Body, design: Design, begin: Array, deadline: float) -> Pattern:
     """Run to the pattern on linear elements, and solve for it on quadratic ones from there."""
     found, mesh = design.conditions, body.cortex.mesh
@@ -191,11 +199,15 @@ def _linear_first(turing: Turing, body: Body, design: Design, begin: Array, dead
     quadratic = ReactionDiffusion(design.space, turing.kinetics, found.d_u, found.d_v)
     drift = _tolerated_drift(body, design)
     settled = settle(linear, begin[:, : mesh.nvertices], tolerated=drift, deadline=deadline)
-    vertices = settled.state
-    guess = np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
+    guess = on_quadratic(settled.state, mesh)
     if turing.symmetric and not body.mirror:
         guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
     return Pattern(design, quadratic, continue_on_finer(quadratic, settled, guess, tolerated=drift))
+
+
+def on_quadratic(vertices: Array, mesh: MeshTri1) -> Array:
+    """Return values of linear elements, (2, n_vertices), at the nodes of quadratic ones, (2, n_nodes)."""
+    return np.concatenate([vertices, vertices[:, mesh.facets].mean(axis=1)], axis=1)
 
 
 def _quadratic_only(turing: Turing, body: Body, design: Design, begin: Array, deadline: float) -> Pattern:

@@ -8,11 +8,11 @@ import numpy as np
 
 from ..checks import finite_array, instance, one_of, positive
 from ..geometry.body import Body
-from ..parts import Fields, LongEvolution, Process
+from ..parts import Fields
 from ..state import State
 from .kinetics.base import Kinetics
 from .pattern import normalised
-from .process import WRITTEN, refuse_negative
+from .process import Morphogens, Steady, on_quadratic, refuse_negative
 from .reaction_diffusion import ReactionDiffusion, discretise
 from .steady import continue_on_finer, settle
 
@@ -21,7 +21,7 @@ FLAT = 1e-3  # share of the height of the seeds below which nothing is left of t
 
 
 @dataclass(frozen=True)
-class SeededPattern(Process):
+class SeededPattern(Morphogens):
     """Steady pattern on the cortical band that grows from local disturbances of a stable uniform state.
 
     No Turing instability is needed: the spots and stripes of Gray and Scott's model grow, split and spread
@@ -62,33 +62,27 @@ class SeededPattern(Process):
         places = finite_array("places", self.places, (None,))
         if places.size == 0 or places.min() < 0 or places.max() > 1:
             raise ValueError(f"places={self.places!r} must be shares of the pial length, from 0 to 1.")
-        states = np.array(self.kinetics.steady_states()).reshape(-1, 2)
-        if self.uniform is None and not len(states):
+        if self.uniform is None and not self.kinetics.steady_states():
             raise ValueError(f"{type(self.kinetics).__name__} has no steady state; use other parameters.")
-        given = states[0] if self.uniform is None else finite_array("uniform", self.uniform, (2,))
-        rates = np.array(self.kinetics.rates(*given[:, None])).ravel()
-        if np.abs(rates).max() > 1e-6 * max(1.0, np.abs(given).max()):
+        level = finite_array("uniform", self.level, (2,))
+        rates = np.array(self.kinetics.rates(*level[:, None])).ravel()
+        if np.abs(rates).max() > 1e-6 * max(1.0, np.abs(level).max()):
             raise ValueError(
                 f"uniform={self.uniform!r} is not steady, its rates are {rates.tolist()}; the steady states "
-                f"are {states.tolist()}."
+                f"are {self.kinetics.steady_states()}."
             )
 
     @property
-    def writes(self) -> tuple[str, ...]:
-        """Both species, and the activator from 0 to 1."""
-        return WRITTEN
-
-    @property
-    def keeps(self) -> tuple[str, ...]:
-        """All: a pattern is a result in itself."""
-        return WRITTEN
+    def level(self) -> tuple[float, float]:
+        """The uniform state, (u, v)."""
+        return self.uniform if self.uniform is not None else self.kinetics.steady_states()[0]
 
     def on(self, body: Body) -> SeededOnBody:
         """Return the pattern on a body."""
         return SeededOnBody(self, body)
 
 
-class SeededOnBody(LongEvolution):
+class SeededOnBody(Steady):
     """A pattern of one body."""
 
     def __init__(self, pattern: SeededPattern, body: Body) -> None:
@@ -99,7 +93,7 @@ class SeededOnBody(LongEvolution):
             ReactionDiffusion(discretise(mesh, degree), pattern.kinetics, pattern.d_u, pattern.d_v)
             for degree in (1, 2)
         )
-        self.facets = mesh.facets
+        self.mesh = mesh
         curve = body.pial_curve
         along = curve.nearest(self.linear.space.nodes)[2]
         self.along = along / curve.length
@@ -116,23 +110,16 @@ class SeededOnBody(LongEvolution):
     def start(self, state: State, seed: int) -> Fields:
         """Return the steady pattern's fields."""
         own = self.pattern
-        uniform = own.uniform or own.kinetics.steady_states()[0]
-        inside = self.seeds.any(axis=1)
-        level = np.array(uniform)[:, None]
-        strength = inside * (1.0 + UNEVEN * self.along)
+        level = np.array(own.level)[:, None]
+        strength = self.seeds.any(axis=1) * (1.0 + UNEVEN * self.along)
         begin = level + strength * (np.array(own.disturbed)[:, None] - level)
         drift = 1 / own.time
         settled = settle(
             self.linear, begin, until=own.time, steps=20_000, tolerated=drift, deadline=self.deadline,
             least=FLAT * np.ptp(begin, axis=1),
         )  # fmt: skip
-        vertices = settled.state
-        guess = np.concatenate([vertices, vertices[:, self.facets].mean(axis=1)], axis=1)
+        guess = on_quadratic(settled.state, self.mesh)
         found = continue_on_finer(self.quadratic, settled, guess, tolerated=drift).state
         refuse_negative(own.kinetics, found)
         activator, inhibitor = found if own.activator == "u" else found[::-1]
         return {"activator": activator, "inhibitor": inhibitor, "pattern": normalised(activator)}
-
-    def advance(self, before: State, now: State, dt: float) -> Fields:
-        """Return nothing: the pattern is steady on the undeformed band."""
-        return {}
