@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import secrets
 import socket
-import sys
 import webbrowser
 from collections.abc import Iterator
 from contextlib import suppress
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..models.declared import values_of
+from .browser import has_display
 from .case import Case, find_case, load_case
 from .files import shipped
 from .status import complain, say
@@ -119,8 +119,7 @@ def _scenes(case: Case) -> list[str]:
 
 def _open(link: str, port: int) -> None:
     """Open a browser, or say how to come by one where there is none."""
-    nowhere = sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
-    if nowhere or not webbrowser.open(link):
+    if not (has_display() and webbrowser.open(link)):
         say(
             "there is no browser here: open the address in one on this machine, or on your own after "
             f"ssh -N -L {port}:{HERE}:{port} {socket.gethostname()}"

@@ -162,6 +162,12 @@ def _compare(options: argparse.Namespace) -> int:
     return 0
 
 
+def _doctor(options: argparse.Namespace) -> int:
+    from .doctor import doctor
+
+    return doctor(as_json=options.json)
+
+
 COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "run": _run,
     "sweep": _sweep,
@@ -180,4 +186,5 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "buckling": _buckling,
     "verify": _verify,
     "atlas": _atlas,
+    "doctor": _doctor,
 }

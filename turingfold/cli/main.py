@@ -1,7 +1,8 @@
 """The command line; `turingfold` alone names its commands.
 
-Exit status: 0 everything asked for was done; 2 bad input; 3 a solve stopped; 4 reading or writing failed; 130
-Ctrl-C. Numpy is imported after the number of threads is set, so nothing heavy is imported at the top.
+Exit status: 0 everything asked for was done; 1 `doctor` has found something wrong; 2 bad input; 3 a solve
+stopped; 4 reading or writing failed; 130 Ctrl-C. Numpy is imported after the number of threads is set, so
+nothing heavy is imported at the top.
 """
 
 from __future__ import annotations

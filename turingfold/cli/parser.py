@@ -27,6 +27,7 @@ def parser() -> argparse.ArgumentParser:
     _add_cases(commands, stored, common)
     _add_results(commands, common)
     _add_theory(commands, common)
+    _add_doctor(commands, common)
     return top
 
 
@@ -281,3 +282,14 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     atlas.add_argument("-j", "--jobs", type=at_least_one, default=1, metavar="N", help="scenes at a time")
     atlas.add_argument("--out", type=Path, default=Path("results/atlas"), metavar="DIR", help="results/atlas")
     atlas.set_defaults(command="atlas")
+
+
+def _add_doctor(commands: Commands, common: argparse.ArgumentParser) -> None:
+    """Add the command that looks at what is installed."""
+    doctor = commands.add_parser(
+        "doctor", parents=[common], help="what is installed here, and whether it works",
+        description="Say which packages and extras are here, whether they work, which factorisation is used, "
+        "and whether results can be written. The exit status is 1 if something is wrong.",
+    )  # fmt: skip
+    doctor.add_argument("--json", action="store_true", help="as one JSON object")
+    doctor.set_defaults(command="doctor")
