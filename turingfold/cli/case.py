@@ -12,9 +12,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from functools import cached_property
 from hashlib import sha256
+from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from ..errors import SolveError
@@ -160,8 +161,8 @@ def load_case(path: Path) -> Case:
 
 def _module(path: Path, name: str) -> ModuleType:
     """Run a Python file as a module of that name."""
-    spec = spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
+    spec = spec_from_file_location(name, path, loader=_Uncached(name, str(path)))
+    if path.suffix != ".py" or spec is None or spec.loader is None:
         raise ValueError(f"{path} is no Python file; {EXPECTED}.")
     module = module_from_spec(spec)
     sys.modules[name] = module
@@ -171,6 +172,13 @@ def _module(path: Path, name: str) -> ModuleType:
     with explained(path):
         spec.loader.exec_module(module)
     return module
+
+
+class _Uncached(SourceFileLoader):
+    """Runs the text of a file as it is: Python takes stored bytecode for its own if second and size agree."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        return self.source_to_code(self.get_data(self.path), self.path)
 
 
 def folder_name(scene: str) -> str:

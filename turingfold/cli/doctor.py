@@ -100,7 +100,8 @@ def findings() -> Iterator[Finding]:
     yield _extras(asked)
     yield _factorisation() if not packages.wrong else Finding("factorisation", "not tried", None)
     cores = _cores()
-    yield Finding("processors", f"{cores}; one thread each scene (--threads), scenes side by side: --jobs", cores)
+    said = f"{cores}; one thread each scene (--threads), scenes side by side: --jobs"
+    yield Finding("processors", said, cores)
     yield _disk(Path())
     shown = has_display()
     words = "turingfold app opens one" if shown else "no display: turingfold app says how to open its page"

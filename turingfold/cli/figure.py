@@ -39,6 +39,8 @@ def save_figure(path: Path) -> Iterator[Figure]:
     figure = Figure(layout="constrained")
     yield figure
     content = io.BytesIO()
-    figure.savefig(content, format=path.suffix[1:].lower(), dpi=RESOLUTION, facecolor="white")
+    kind = path.suffix[1:].lower()
+    fast = {"pil_kwargs": {"compress_level": 1}} if kind == "png" else {}  # it is coded again below
+    figure.savefig(content, format=kind, dpi=RESOLUTION, facecolor="white", **fast)
     picture = content.getvalue()
-    write_whole(path, compact(picture) if path.suffix.lower() == ".png" else picture)
+    write_whole(path, compact(picture) if kind == "png" else picture)
