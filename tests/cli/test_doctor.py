@@ -95,7 +95,8 @@ def test_a_package_that_is_not_installed_is_status_1(told, monkeypatch):
 
 @pytest.mark.slow  # it loads every package that is needed
 def test_the_doctor_itself_needs_none_of_the_packages():
-    words = "from turingfold.cli.main import main; import sys; print(main(['doctor', '--json']), *sys.modules)"
+    load = "from turingfold.cli.main import main; import sys"
+    words = f"{load}; print(main(['doctor', '--json']), *sys.modules)"
     done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
     found, ending = done.stdout.splitlines()
     status, *modules = ending.split()

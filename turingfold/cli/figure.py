@@ -40,7 +40,7 @@ def save_figure(path: Path) -> Iterator[Figure]:
     yield figure
     content = io.BytesIO()
     kind = path.suffix[1:].lower()
-    fast = {"pil_kwargs": {"compress_level": 1}} if kind == "png" else {}  # it is coded again below
-    figure.savefig(content, format=kind, dpi=RESOLUTION, facecolor="white", **fast)
+    fast = {"compress_level": 1} if kind == "png" else None  # it is coded again below
+    figure.savefig(content, format=kind, dpi=RESOLUTION, facecolor="white", pil_kwargs=fast)
     picture = content.getvalue()
     write_whole(path, compact(picture) if kind == "png" else picture)
