@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..figures.style import compact
 from ..results.files import write_whole
@@ -40,7 +40,9 @@ def save_figure(path: Path) -> Iterator[Figure]:
     yield figure
     content = io.BytesIO()
     kind = path.suffix[1:].lower()
-    fast = {"compress_level": 1} if kind == "png" else None  # it is coded again below
-    figure.savefig(content, format=kind, dpi=RESOLUTION, facecolor="white", pil_kwargs=fast)
+    options: dict[str, Any] = {"format": kind, "dpi": RESOLUTION, "facecolor": "white"}
+    if kind == "png":
+        options["pil_kwargs"] = {"compress_level": 1}  # it is coded again below
+    figure.savefig(content, **options)
     picture = content.getvalue()
     write_whole(path, compact(picture) if kind == "png" else picture)
