@@ -61,9 +61,7 @@ def scenes(
     grow = (GrowthMap(cortex=(uniform,) * PLACES), TangentialGrowth(cortex=1.0, core=1.01))
     terms, steps = (ferret.tissue(bulk=bulk), SelfContact()), Stepping(first=0.025, largest=0.025)
     return {
-        side: Scene(
-            body=body_of(side, 1, thickness, elements), processes=grow, terms=terms, stepping=steps
-        )
+        side: Scene(body=body_of(side, 1, thickness, elements), processes=grow, terms=terms, stepping=steps)
         for side in SIDES[: 1 if quick else 2]
     }
 

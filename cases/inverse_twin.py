@@ -19,9 +19,7 @@ START = 1.1  # growth everywhere, from which the fits begin
 
 
 @p.quick(elements=2)
-def scenes(
-    quick=False, *, radius: p.Radius = 0.04, thickness: p.Thickness = 0.004, elements: p.Elements = 3
-):
+def scenes(quick=False, *, radius: p.Radius = 0.04, thickness: p.Thickness = 0.004, elements: p.Elements = 3):
     places, ages = (6, 2) if quick else (16, 6)
     terms = (Elastic(gray=NeoHookean.from_young(1389.0, 0.4583)), SelfContact())
     grow = GrowthMap(cortex=tuple(hidden(places).tolist()))

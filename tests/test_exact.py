@@ -133,7 +133,9 @@ def grown_disc(case, growth, size, **options):
     body = semicircle(radius=1.0, thickness=thickness, size=size, base="roller", coarsening=1.35)
     process = TangentialGrowth(cortex=growth, **options)
     scene = Scene(
-        body=body, terms=(Elastic(gray=cortex, white=core),), processes=(process,),
+        body=body,
+        terms=(Elastic(gray=cortex, white=core),),
+        processes=(process,),
         stepping=Stepping(first=0.25, largest=0.5, tolerance=1e-10),
     )
     step = last(scene)
@@ -245,10 +247,14 @@ def manufactured(X):
     x, y = X
     s, c, pi = np.sin, np.cos, np.pi
     u = np.stack([0.15 * s(pi * x) * s(pi * y) + 0.1 * x * y, 0.1 * s(2 * pi * x) * s(pi * y) - 0.05 * x**2])
-    gradient = np.stack([
-        np.stack([0.15 * pi * c(pi * x) * s(pi * y) + 0.1 * y, 0.15 * pi * s(pi * x) * c(pi * y) + 0.1 * x]),
-        np.stack([0.2 * pi * c(2 * pi * x) * s(pi * y) - 0.1 * x, 0.1 * pi * s(2 * pi * x) * c(pi * y)]),
-    ])
+    gradient = np.stack(
+        [
+            np.stack(
+                [0.15 * pi * c(pi * x) * s(pi * y) + 0.1 * y, 0.15 * pi * s(pi * x) * c(pi * y) + 0.1 * x]
+            ),
+            np.stack([0.2 * pi * c(2 * pi * x) * s(pi * y) - 0.1 * x, 0.1 * pi * s(2 * pi * x) * c(pi * y)]),
+        ]
+    )
     return u, gradient
 
 
@@ -316,11 +322,16 @@ def test_millimetres_and_metres_take_the_same_steps():
     def run(unit):
         body = semicircle(radius=0.0404 * unit, thickness=4e-3 * unit, size=2e-3 * unit)
         terms = (
-            Elastic(gray=GRAY, white=WHITE), SelfContact(), Drag(coefficient=2e5 / unit**2),
+            Elastic(gray=GRAY, white=WHITE),
+            SelfContact(),
+            Drag(coefficient=2e5 / unit**2),
             AxonalTension(strength=0.5 * unit, patches=8),
         )
         scene = Scene(
-            body=body, terms=terms, processes=(TangentialGrowth(cortex=1.9),), until=0.5,
+            body=body,
+            terms=terms,
+            processes=(TangentialGrowth(cortex=1.9),),
+            until=0.5,
             stepping=Stepping(first=0.1, largest=0.2),
         )
         return [(step, progress) for step, progress in march(scene, begin(scene))]

@@ -22,6 +22,7 @@ def test_modules_of_absent_parts_are_not_imported(name):
     found = own.measured(own.scenes(quick=True)[name])
     assert found["status"] == "converged"
     for part, module in own.OWN.items():
-        assert any(f"{loaded}.".startswith(f"{module}.") for loaded in found["modules"]) == (
-            own.scenes(quick=True)[name][part]
+        assert (
+            any(f"{loaded}.".startswith(f"{module}.") for loaded in found["modules"])
+            == (own.scenes(quick=True)[name][part])
         )

@@ -111,9 +111,7 @@ def _check_distinct(terms: tuple[Term, ...]) -> None:
             )
 
 
-def _check_scheme(
-    terms: tuple[Term, ...], processes: tuple[Process, ...], stepping: Stepping
-) -> None:
+def _check_scheme(terms: tuple[Term, ...], processes: tuple[Process, ...], stepping: Stepping) -> None:
     resting = {name for term in terms if not term.resists_motion for name in term.writes}
     for process in processes:
         read = sorted(resting & set(_read_by(process)))

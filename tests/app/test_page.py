@@ -15,7 +15,8 @@ from playwright.sync_api import expect, sync_playwright
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
 pytestmark = [
-    pytest.mark.slow, pytest.mark.timing,  # it waits for runs: alone
+    pytest.mark.slow,
+    pytest.mark.timing,  # it waits for runs: alone
     pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on the path"),
 ]
 PATIENCE = 60_000  # ms

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-RUN = '''
+RUN = """
 import json, resource, sys
 from time import perf_counter
 asked, began = json.loads(sys.argv[1]), perf_counter()
@@ -52,7 +52,7 @@ print(json.dumps({
     "seconds": perf_counter() - began, "modules": loaded,
     "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
 }))
-'''
+"""
 OWN = {"ATH": "turingfold.terms.tension", "IPH": "turingfold.turing", "inertia": "turingfold.terms.dynamics"}
 ALWAYS = "turingfold.terms.damping", "turingfold.growth.swelling", "turingfold.figures", "turingfold.cli"
 GROUPS = {

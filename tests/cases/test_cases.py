@@ -126,7 +126,6 @@ def test_pairs_of_half_a_body_are_half_of_the_whole_ones_and_none_leaves_the_sur
     assert 2 * found[1] == found[0] - across
 
 
-
 def test_dynamics_is_inertia_from_rest_in_seconds_with_a_second_in_which_it_dies():
     scene, found = parts(dynamics=True, duration=3.0)
     assert {"Inertia", "StiffnessDamping"} <= found.keys()

@@ -34,9 +34,7 @@ SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
 
 
 def brain(thickness, elements):
-    return semicircle(
-        radius=1.0, thickness=thickness, elements=elements, base="roller", layers="sigmoid"
-    )
+    return semicircle(radius=1.0, thickness=thickness, elements=elements, base="roller", layers="sigmoid")
 
 
 def run(case, **changes):

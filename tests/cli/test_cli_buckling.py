@@ -1,4 +1,5 @@
 """turingfold buckling: the critical growth of a case's scenes as a table and as a picture."""
+
 import pytest
 
 from turingfold.cli.main import main
@@ -33,10 +34,14 @@ def test_table_and_figure(tmp_path, capsys):
 
 def test_a_stable_scene_is_named_beside_the_others(tmp_path, capsys):
     case, figure = tmp_path / "disc.py", tmp_path / "modes.png"
-    less = "import dataclasses\n" + CASE.replace("return {name: Scene(", "made = {name: Scene(") + """
+    less = (
+        "import dataclasses\n"
+        + CASE.replace("return {name: Scene(", "made = {name: Scene(")
+        + """
     calm = dataclasses.replace(made["plain"], processes=(TangentialGrowth(cortex=1.2),))
     return {"calm": calm, "plain": made["plain"]}
 """
+    )
     case.write_text(less)
     assert main(["buckling", str(case), "--figure", str(figure)]) == 3  # as for scenes that stop
     printed = capsys.readouterr()

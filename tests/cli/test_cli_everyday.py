@@ -226,7 +226,6 @@ def test_a_table_grows_as_points_end_and_outlives_what_comes_after(tmp_path, mon
     def broken(*_):
         raise RuntimeError("no picture today")
 
-
     def say(line):
         if "converged at growth" in line:
             seen.append(names())

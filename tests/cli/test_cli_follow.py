@@ -84,8 +84,13 @@ def path_of(body, times, radial, pivots, rates):
     """Return a path of states that move outward by given amounts."""
     points = [
         PathPoint(
-            state=State(time, {"displacement": amount * body.nodes}), arc=float(k), rate=rate,
-            growth=1 + time, energy=0.0, residual=0.0, negative_pivots=negative,
+            state=State(time, {"displacement": amount * body.nodes}),
+            arc=float(k),
+            rate=rate,
+            growth=1 + time,
+            energy=0.0,
+            residual=0.0,
+            negative_pivots=negative,
         )
         for k, (time, amount, negative, rate) in enumerate(zip(times, radial, pivots, rates, strict=True))
     ]
@@ -145,8 +150,13 @@ def test_turns_are_marked_where_they_are_between_the_points():
     wave = np.cos(8 * angle) * np.stack([np.cos(angle), np.sin(angle)])
     points = [
         PathPoint(
-            state=State(3 * s**2 - 4 * s**3, {"displacement": 0.1 * s * wave}), arc=s, rate=6 * s - 12 * s**2,
-            growth=1 + 3 * s**2 - 4 * s**3, energy=0.0, residual=0.0, negative_pivots=int(s > 0.5),
+            state=State(3 * s**2 - 4 * s**3, {"displacement": 0.1 * s * wave}),
+            arc=s,
+            rate=6 * s - 12 * s**2,
+            growth=1 + 3 * s**2 - 4 * s**3,
+            energy=0.0,
+            residual=0.0,
+            negative_pivots=int(s > 0.5),
         )
         for s in (0.1, 0.3, 0.45, 0.6, 0.7)
     ]

@@ -1,4 +1,5 @@
 """Films of results: as many pictures as states, of one size; refusals."""
+
 import sys
 from dataclasses import replace
 

@@ -1,4 +1,5 @@
 """Semi-circle and semi-ellipse: area, thickness, layers on edges, symmetry, triangles, bad input."""
+
 import numpy as np
 import pytest
 from checks import message_names

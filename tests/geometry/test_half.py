@@ -1,4 +1,5 @@
 """Half of a mirror-symmetric body gives the numbers of the whole at half the cost."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,4 +1,5 @@
 """Bodies on finer meshes: the same geometry, the same names, the same numbers for old nodes."""
+
 import numpy as np
 import pytest
 from checks import message_names

@@ -1,4 +1,5 @@
 """Curves whose measures are known."""
+
 import contourpy
 import numpy as np
 import shapely
@@ -55,6 +56,7 @@ def comb(fingers, width, slot, depth, base=1.0, step=0.01):
 
 def banana(middle=3.0, half=1.0, turn=np.pi, step=0.01):
     """A strip of width 2 half bent to an arc of radius `middle`, with round ends; counter-clockwise."""
+
     def arc(radius, centre, start, end):
         at = np.linspace(start, end, max(3, int(abs(end - start) * radius / step)), endpoint=False)
         return np.array(centre)[:, None] + radius * np.array([np.cos(at), np.sin(at)])

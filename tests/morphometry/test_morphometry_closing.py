@@ -1,4 +1,5 @@
 """The closing by a disc: exact on slots, bent strips and arcs; the index that follows from it."""
+
 import numpy as np
 import pytest
 from morphometry_shapes import banana, comb, ellipse, moved, mushrooms
@@ -9,9 +10,16 @@ from turingfold.morphometry.polyline import perimeter
 from turingfold.morphometry.shape import gyrification_index
 
 
-@pytest.mark.parametrize(("radius", "arc"), [
-    (0.01, 2 * np.pi), (0.9, 2 * np.pi), (0.01, np.pi), (0.9, np.pi), (0.02, 5 * np.pi / 3),
-])
+@pytest.mark.parametrize(
+    ("radius", "arc"),
+    [
+        (0.01, 2 * np.pi),
+        (0.9, 2 * np.pi),
+        (0.01, np.pi),
+        (0.9, np.pi),
+        (0.02, 5 * np.pi / 3),
+    ],
+)
 @pytest.mark.parametrize("step", [1, -1])
 def test_a_convex_body_is_its_own_closing(radius, arc, step):
     points = ellipse(1, 1, 901, arc)[:, ::step]

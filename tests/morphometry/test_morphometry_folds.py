@@ -1,4 +1,5 @@
 """Folds of curves whose folds are known, and what must not change them."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -199,8 +200,13 @@ def test_spectrum_has_one_line_at_the_spacing_of_the_crests(arc, amplitude):
 
 @steady
 @given(
-    lobes=st.integers(4, 20), amplitude=st.floats(0.1, 0.3), angle=st.floats(-4, 4),
-    scale=st.floats(1e-3, 1e3), x=st.floats(-10, 10), start=st.integers(0, 899), backwards=st.booleans(),
+    lobes=st.integers(4, 20),
+    amplitude=st.floats(0.1, 0.3),
+    angle=st.floats(-4, 4),
+    scale=st.floats(1e-3, 1e3),
+    x=st.floats(-10, 10),
+    start=st.integers(0, 899),
+    backwards=st.booleans(),
 )
 def test_place_turn_scale_start_and_direction_do_not_matter(
     lobes, amplitude, angle, scale, x, start, backwards

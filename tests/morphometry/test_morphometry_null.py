@@ -1,4 +1,5 @@
 """What chance gives: registrations of moved patterns."""
+
 import numpy as np
 import pytest
 from morphometry_shapes import angles, ellipse, flower

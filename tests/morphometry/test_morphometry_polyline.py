@@ -1,4 +1,5 @@
 """Checks of input, arc length, outer path, distances."""
+
 import numpy as np
 import pytest
 from morphometry_shapes import angles, ellipse, flower, polygon
@@ -42,32 +43,44 @@ def test_bad_points_are_refused(measure, case):
         measure(points, closed=closed)
 
 
-@pytest.mark.parametrize(("call", "message"), [
-    (lambda: find_folds(CIRCLE, prominence=-1.0), "prominence=-1 must be positive"),
-    (lambda: find_folds(CIRCLE, thickness=2.5), "thickness=2.5 must be between 0.00099.* and 1.99.*one unit"),
-    (lambda: find_folds(CIRCLE, thickness=1e-4), "thickness=0.0001 must be between .*radius of 0.99"),
-    (lambda: find_folds(CIRCLE, smoothing=-0.1), "smoothing=-0.1 must be between 0 and 0.99"),
-    (lambda: gyrification_index(CIRCLE, smoothing=np.nan), "smoothing=nan must be a finite number"),
-    (lambda: find_folds(CIRCLE, reference=ARC), "reference: the gap"),
-    (lambda: shape_index(CIRCLE, 0.0), "thickness=0 must be between 0.00099"),
-    (lambda: cortical_thickness(CIRCLE, CIRCLE[:, :5]), "interface has 5 points"),
-    (lambda: similarity(1e3 * CIRCLE, CIRCLE, thickness=0.1), "thickness=0.1 must be between 0.99.*of 999"),
-    (lambda: compare(1e3 * CIRCLE, CIRCLE, thickness=0.1), "give both in one unit"),
-    (lambda: wall_contact_length(CIRCLE, np.inf), "gap=inf must be a finite number"),
-    (lambda: fourier_descriptors(CIRCLE, 51), "order=51 must be at most half the points, 50"),
-    (lambda: fourier_descriptors(CIRCLE, 2.5), "order=2.5 must be a whole number"),
-    (lambda: similarity(CIRCLE, ARC), "both must be of one kind"),
-    (lambda: similarity(CIRCLE, CIRCLE, 0.5), "p=0.5 must be between 1 and inf; use 1, 2 or inf"),
-    (lambda: similarity(CIRCLE, CIRCLE, np.nan), "p=nan must be a finite number; use 1, 2 or inf"),
-    (lambda: similarity(CIRCLE, CIRCLE, "1"), "p='1' must be a finite number; use 1, 2 or inf"),
-    (lambda: similarity(CIRCLE, CIRCLE, -np.inf), "p=-inf must be a finite number"),
-    (lambda: registration(np.ones(100), CIRCLE, CIRCLE), "pattern is constant"),
-    (lambda: registration_null(np.arange(100), CIRCLE, CIRCLE, phases=1), "phases=1 must be a whole number"),
-    (lambda: registration_null(np.ones(100), CIRCLE, CIRCLE), "pattern is constant"),
-    (lambda: registration(np.ones(99), CIRCLE, CIRCLE), "pattern has 99 values"),
-    (lambda: registration(np.ones(100), CIRCLE[:, :-1], CIRCLE), "must be the same nodes"),
-    (lambda: resample(CIRCLE, 7), "count=7 must be a whole number of at least 8"),
-])
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: find_folds(CIRCLE, prominence=-1.0), "prominence=-1 must be positive"),
+        (
+            lambda: find_folds(CIRCLE, thickness=2.5),
+            "thickness=2.5 must be between 0.00099.* and 1.99.*one unit",
+        ),
+        (lambda: find_folds(CIRCLE, thickness=1e-4), "thickness=0.0001 must be between .*radius of 0.99"),
+        (lambda: find_folds(CIRCLE, smoothing=-0.1), "smoothing=-0.1 must be between 0 and 0.99"),
+        (lambda: gyrification_index(CIRCLE, smoothing=np.nan), "smoothing=nan must be a finite number"),
+        (lambda: find_folds(CIRCLE, reference=ARC), "reference: the gap"),
+        (lambda: shape_index(CIRCLE, 0.0), "thickness=0 must be between 0.00099"),
+        (lambda: cortical_thickness(CIRCLE, CIRCLE[:, :5]), "interface has 5 points"),
+        (
+            lambda: similarity(1e3 * CIRCLE, CIRCLE, thickness=0.1),
+            "thickness=0.1 must be between 0.99.*of 999",
+        ),
+        (lambda: compare(1e3 * CIRCLE, CIRCLE, thickness=0.1), "give both in one unit"),
+        (lambda: wall_contact_length(CIRCLE, np.inf), "gap=inf must be a finite number"),
+        (lambda: fourier_descriptors(CIRCLE, 51), "order=51 must be at most half the points, 50"),
+        (lambda: fourier_descriptors(CIRCLE, 2.5), "order=2.5 must be a whole number"),
+        (lambda: similarity(CIRCLE, ARC), "both must be of one kind"),
+        (lambda: similarity(CIRCLE, CIRCLE, 0.5), "p=0.5 must be between 1 and inf; use 1, 2 or inf"),
+        (lambda: similarity(CIRCLE, CIRCLE, np.nan), "p=nan must be a finite number; use 1, 2 or inf"),
+        (lambda: similarity(CIRCLE, CIRCLE, "1"), "p='1' must be a finite number; use 1, 2 or inf"),
+        (lambda: similarity(CIRCLE, CIRCLE, -np.inf), "p=-inf must be a finite number"),
+        (lambda: registration(np.ones(100), CIRCLE, CIRCLE), "pattern is constant"),
+        (
+            lambda: registration_null(np.arange(100), CIRCLE, CIRCLE, phases=1),
+            "phases=1 must be a whole number",
+        ),
+        (lambda: registration_null(np.ones(100), CIRCLE, CIRCLE), "pattern is constant"),
+        (lambda: registration(np.ones(99), CIRCLE, CIRCLE), "pattern has 99 values"),
+        (lambda: registration(np.ones(100), CIRCLE[:, :-1], CIRCLE), "must be the same nodes"),
+        (lambda: resample(CIRCLE, 7), "count=7 must be a whole number of at least 8"),
+    ],
+)
 def test_bad_options_are_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call()

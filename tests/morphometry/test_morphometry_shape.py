@@ -1,4 +1,5 @@
 """Gyrification, curvature, thickness, walls and registration on curves where they are known."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -55,8 +56,14 @@ def test_pial_ends_tucked_under_the_body_keep_the_index_above_one():
 
 
 @steady
-@given(lobes=st.integers(2, 20), amplitude=st.floats(0, 0.4), angle=st.floats(-4, 4),
-       scale=st.floats(1e-3, 1e3), arc=st.sampled_from([np.pi, 2 * np.pi]), backwards=st.booleans())
+@given(
+    lobes=st.integers(2, 20),
+    amplitude=st.floats(0, 0.4),
+    angle=st.floats(-4, 4),
+    scale=st.floats(1e-3, 1e3),
+    arc=st.sampled_from([np.pi, 2 * np.pi]),
+    backwards=st.booleans(),
+)
 def test_index_is_invariant_and_at_least_one(lobes, amplitude, angle, scale, arc, backwards):
     points = flower(lobes, amplitude, 700, arc)
     other = moved(points, angle, scale, (scale, -3 * scale))[:, :: -1 if backwards else 1]

@@ -1,4 +1,5 @@
 """Similarity, the map between arcs, alignment, Fourier descriptors and comparison."""
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -38,8 +39,15 @@ def test_similarity_of_a_wave_and_a_circle(p):
 
 
 @steady
-@given(lobes=st.integers(3, 15), amplitude=st.floats(0.05, 0.3), angle=st.floats(-4, 4), arc=st.booleans(),
-       scale=st.floats(1e-3, 1e3), start=st.integers(0, 899), backwards=st.booleans())
+@given(
+    lobes=st.integers(3, 15),
+    amplitude=st.floats(0.05, 0.3),
+    angle=st.floats(-4, 4),
+    arc=st.booleans(),
+    scale=st.floats(1e-3, 1e3),
+    start=st.integers(0, 899),
+    backwards=st.booleans(),
+)
 def test_a_moved_copy_is_similar(lobes, amplitude, angle, arc, scale, start, backwards):
     points = flower(lobes, amplitude, 900, np.pi if arc else 2 * np.pi)
     copy = moved(points, angle, scale, (scale, 2 * scale))
@@ -114,20 +122,28 @@ def test_the_map_increases_and_meets_heavy_landmarks(data, weight, closed):
     np.testing.assert_allclose(at - np.round(at), 0, atol=steepest + 1e-4)
 
 
-@pytest.mark.parametrize("landmarks", [
-    [[20, 10], [40, 30], [60, 20]], [[20, 30], [20, 40]], [[20, 30], [40, 30]],
-])
+@pytest.mark.parametrize(
+    "landmarks",
+    [
+        [[20, 10], [40, 30], [60, 20]],
+        [[20, 30], [20, 40]],
+        [[20, 30], [40, 30]],
+    ],
+)
 def test_landmarks_out_of_order_are_refused(landmarks):
     with pytest.raises(ValueError, match="repeated or not in the same order"):
         similarity(ellipse(1, 1, 100), ellipse(1, 1, 100), landmarks=landmarks)
 
 
-@pytest.mark.parametrize(("landmarks", "message"), [
-    ([20, 30], "it must be .k, 2."),
-    ([[0.5, 1.0]], "pairs of point indices"),
-    ([[0, 30]], "landmark 0 on points_a must be between 1 and 98; the ends correspond anyway"),
-    ([[20, 99]], "landmark 99 on points_b must be between 1 and 98"),
-])
+@pytest.mark.parametrize(
+    ("landmarks", "message"),
+    [
+        ([20, 30], "it must be .k, 2."),
+        ([[0.5, 1.0]], "pairs of point indices"),
+        ([[0, 30]], "landmark 0 on points_a must be between 1 and 98; the ends correspond anyway"),
+        ([[20, 99]], "landmark 99 on points_b must be between 1 and 98"),
+    ],
+)
 def test_landmarks_outside_are_refused(landmarks, message):
     arc = ellipse(1, 1, 100, np.pi)
     with pytest.raises(ValueError, match=message):
@@ -136,6 +152,7 @@ def test_landmarks_outside_are_refused(landmarks, message):
 
 def test_landmarks_make_a_displaced_fold_match():
     """One fold at a third and at half of the arc: alike when the folds are matched."""
+
     def folded(at):
         theta = angles(1500, np.pi)
         return (1 - 0.2 * np.exp(-(((theta - at) / 0.1) ** 2))) * np.array([np.cos(theta), np.sin(theta)])
@@ -186,9 +203,14 @@ def test_reconstruction_error_of_a_small_wave():
     assert reconstruction_error(points, 15) < 0.02 * expected
 
 
-@pytest.mark.parametrize("points", [
-    mushrooms(6, 0.2, 2000), mushrooms(6, 0.2, 1000, np.pi), comb(4, 0.3, 0.2, 0.5),
-])
+@pytest.mark.parametrize(
+    "points",
+    [
+        mushrooms(6, 0.2, 2000),
+        mushrooms(6, 0.2, 1000, np.pi),
+        comb(4, 0.3, 0.2, 0.5),
+    ],
+)
 def test_reconstruction_improves_with_order(points):
     errors = [reconstruction_error(points, order) for order in (5, 15, 25, 200)]
     assert (np.diff(errors) < 0).all()
@@ -351,14 +373,17 @@ def test_landmarks_are_read_and_told(tmp_path):
     assert "landmark second: at 0.500 and 0.51" in both.text()
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    ("name;x_a\n", "first line is 'name;x_a'; it must be 'name,x_a,y_a,x_b,y_b'"),
-    (LANDMARKS, "has no landmarks"),
-    (LANDMARKS + "one,1,0,1,0\none,0,1,0,1\n", "line 2: the name 'one' must be there, and only once"),
-    (LANDMARKS + "one,1,0,1\n", r"line 2: x_b, y_b are \('1', None\); they must be two numbers"),
-    (LANDMARKS + "one,1,0,nan,0\n", "line 2: x_b, y_b are nan from the nearest"),
-    (LANDMARKS + "one,1000,0,1,0\n", "x_a, y_a are 999 from the nearest point of curve a.*in its unit"),
-])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name;x_a\n", "first line is 'name;x_a'; it must be 'name,x_a,y_a,x_b,y_b'"),
+        (LANDMARKS, "has no landmarks"),
+        (LANDMARKS + "one,1,0,1,0\none,0,1,0,1\n", "line 2: the name 'one' must be there, and only once"),
+        (LANDMARKS + "one,1,0,1\n", r"line 2: x_b, y_b are \('1', None\); they must be two numbers"),
+        (LANDMARKS + "one,1,0,nan,0\n", "line 2: x_b, y_b are nan from the nearest"),
+        (LANDMARKS + "one,1000,0,1,0\n", "x_a, y_a are 999 from the nearest point of curve a.*in its unit"),
+    ],
+)
 def test_bad_landmarks_are_refused(tmp_path, text, message):
     file = tmp_path / "marks.csv"
     file.write_text(text)

@@ -337,6 +337,33 @@ def test_a_cut_above_hanging_lobes_is_meshed():
     assert np.ptp(base[0]) == pytest.approx(18e-3, rel=1e-7)
 
 
+def notched(rng):
+    """Return a disc with a slanted notch, the ends of its ground, the cortex's thickness and a size."""
+    width, deep, slope, thick, share = rng.uniform((0.15, 0.2, -0.2, 0.12, 1.5), (0.45, 0.6, 0.4, 0.25, 4))
+    ends = np.array([[-width, deep - 1], [width, deep - 1]])
+    opening = np.array([[width + slope, -1.2], [-width - slope, -1.2]])
+    body = shapely.Polygon(circle().T) - shapely.Polygon(np.concatenate([ends, opening]))
+    ring = shapely.segmentize(shapely.geometry.polygon.orient(body).exterior, 0.02)
+    turned = rng.uniform(0, 2 * np.pi)
+    turn = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
+    return (shapely.get_coordinates(ring)[:-1] @ turn).T, ends @ turn, thick, thick / share
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_base_in_a_notch_is_meshed_with_any_thickness(seed):
+    rng = np.random.default_rng(seed)
+    points, ends, thick, size = notched(rng)
+    uneven = thick * (1 + rng.uniform(0, 0.6) * np.cos(np.arctan2(points[1], points[0]) + seed))
+    body = outline(points, thickness=uneven, size=size, base="clamped", base_ends=ends)
+    (base,) = body.boundary_paths("base")
+    assert np.hypot(*np.diff(body.nodes[:, base.nodes])).sum() == pytest.approx(
+        np.hypot(*(ends[1] - ends[0]))
+    )
+    assert angles(body.mesh.p, body.mesh.t).min() > 20
+    given = shapely.Polygon(points.T).area
+    assert body.quadrature.weights.sum() == pytest.approx(given, rel=0.01)
+
+
 @pytest.mark.parametrize("base", ["free", "roller"])
 def test_a_cortex_that_leaves_hardly_any_inside_is_refused(base):
     points, ends = circle(), None  # the deepest point is the centre, at depth 1

@@ -1,4 +1,5 @@
 """Tangents of places nearby speak for equilibria: against a factorisation at each of them."""
+
 import numpy as np
 import pytest
 
@@ -24,7 +25,10 @@ def scene(seed):
     rng = np.random.default_rng(seed)
     thickness, steps = rng.choice([2e-3, 2.5e-3, 4e-3]), int(rng.choice([15, 20, 30, 50]))
     body = semiellipse(
-        width=0.04 * rng.uniform(0.7, 1.4), height=0.04, thickness=thickness, size=thickness / 2,
+        width=0.04 * rng.uniform(0.7, 1.4),
+        height=0.04,
+        thickness=thickness,
+        size=thickness / 2,
         base=str(rng.choice(["clamped", "roller"])),
     )
     return Scene(

@@ -1,4 +1,5 @@
 """Stiff and extreme scenes reach their end, or a stated time; they stop with a reason and a good state."""
+
 import warnings
 from dataclasses import replace
 
@@ -25,8 +26,16 @@ RADIUS, TENSION = 0.0404, 0.5
 
 
 def scene(
-    *, poisson=0.4583, ratio=1.364, share=0.0619, growth=1.9, aspect=1.0, elements=2, tension=TENSION,
-    seconds=300.0, unit=1.0,
+    *,
+    poisson=0.4583,
+    ratio=1.364,
+    share=0.0619,
+    growth=1.9,
+    aspect=1.0,
+    elements=2,
+    tension=TENSION,
+    seconds=300.0,
+    unit=1.0,
 ):
     """Document 1's scene; share: thickness over half the width, ratio: white over gray, unit: m per unit."""
     radius = RADIUS / unit

@@ -1,4 +1,5 @@
 """Assembly of entries against scipy's assembly, and the two direct solvers against dense algebra."""
+
 import subprocess
 import sys
 import weakref
@@ -88,8 +89,12 @@ def test_a_pattern_is_kept_until_it_lacks_a_place():
         expected = (dense(again, n) + dense(passing, n))[np.ix_(free, free)]
         np.testing.assert_allclose(full(pattern, values), expected, atol=1e-13)
     taken = set(zip(*(dense(lasting, n) != 0).nonzero(), strict=True))
-    new = next((i, j) for i in range(n) for j in range(i) if (i, j) not in taken and 3 not in (i, j)
-               and (i, j) not in {(11, 0), (11, 1), (10, 0)})
+    new = next(
+        (i, j)
+        for i in range(n)
+        for j in range(i)
+        if (i, j) not in taken and 3 not in (i, j) and (i, j) not in {(11, 0), (11, 1), (10, 0)}
+    )
     lacking = Hessian(Entries(np.array([new[0]]), np.array([new[1]])), np.array([2.0]), False)
     pattern, values = assembler.assemble([lasting, lacking])
     assert pattern is not first

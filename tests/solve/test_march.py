@@ -1,4 +1,5 @@
 """The march: step sizes, halving and growth of steps, untouched retries, limits, and typed errors."""
+
 import re
 from dataclasses import dataclass, field, replace
 
@@ -187,7 +188,10 @@ def test_the_time_limit_stops_between_steps(body):
 def test_growth_that_shrinks_to_nothing_is_a_typed_error(body):
     # g = 1 + (0.4 - 1) t reaches 0 at t = 1/0.6
     made = Scene(
-        body=body, terms=(SOLID,), processes=(TangentialGrowth(cortex=0.4),), until=2.0,
+        body=body,
+        terms=(SOLID,),
+        processes=(TangentialGrowth(cortex=0.4),),
+        until=2.0,
         stepping=Stepping(first=0.05, largest=0.05, smallest=1e-2),
     )
     with pytest.raises(NotConvergedError) as failure:
@@ -218,7 +222,10 @@ def folding():
     """A body that folds until its walls touch."""
     made = semicircle(radius=1.0, thickness=0.2, size=0.1)
     return Scene(
-        body=made, terms=(SOLID, SelfContact()), processes=(TangentialGrowth(cortex=2.6),), until=0.7,
+        body=made,
+        terms=(SOLID, SelfContact()),
+        processes=(TangentialGrowth(cortex=2.6),),
+        until=0.7,
         stepping=Stepping(first=0.1, largest=0.1),
     )
 
@@ -400,8 +407,13 @@ def test_a_rejected_end_leaves_no_tangent_behind(body, monkeypatch):
 
     def first_step(limit):
         made = scene(
-            body, Fence(limit), Drag(coefficient=1e-3), processes=(TangentialGrowth(cortex=1.3),),
-            first=0.2, largest=0.2, scheme="midpoint",
+            body,
+            Fence(limit),
+            Drag(coefficient=1e-3),
+            processes=(TangentialGrowth(cortex=1.3),),
+            first=0.2,
+            largest=0.2,
+            scheme="midpoint",
         )
         return next(march(made, begin(made)))[0]
 

@@ -1,4 +1,5 @@
 """Newton's method: minima of known potentials, unstable starts, step bounds, and every way to fail."""
+
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -60,15 +61,18 @@ class _Point:
 def bowl(**options):
     """E = 3x² + xy + 2y² - x, minimum at (4, -1)/23."""
     return Surface(
-        lambda x, y: 3 * x**2 + x * y + 2 * y**2 - x, lambda x, y: (6 * x + y - 1, x + 4 * y),
-        lambda x, y: ((6.0, 1.0), (1.0, 4.0)), **options,
+        lambda x, y: 3 * x**2 + x * y + 2 * y**2 - x,
+        lambda x, y: (6 * x + y - 1, x + 4 * y),
+        lambda x, y: ((6.0, 1.0), (1.0, 4.0)),
+        **options,
     )
 
 
 def two_wells():
     """E = x⁴/4 - x²/2 + y²: minima at (±1, 0), a saddle at the origin."""
     return Surface(
-        lambda x, y: x**4 / 4 - x**2 / 2 + y**2, lambda x, y: (x**3 - x, 2 * y),
+        lambda x, y: x**4 / 4 - x**2 / 2 + y**2,
+        lambda x, y: (x**3 - x, 2 * y),
         lambda x, y: ((3 * x**2 - 1, 0.0), (0.0, 2.0)),
     )
 
@@ -202,7 +206,8 @@ def test_a_slope_that_belongs_to_another_energy_is_an_error():
 
 def test_an_energy_without_lower_bound_is_an_error():
     surface = Surface(
-        lambda x, y: -x - x**2 + y**2, lambda x, y: (-1 - 2 * x, 2 * y),
+        lambda x, y: -x - x**2 + y**2,
+        lambda x, y: (-1 - 2 * x, 2 * y),
         lambda x, y: ((-2.0, 0.0), (0.0, 2.0)),
     )
     with pytest.raises(NotConvergedError, match="5 Newton iterations"):
@@ -244,7 +249,8 @@ def test_a_grown_body_reaches_the_tolerance_and_is_certified():
 def hardening(load):
     """E = x² + x⁴/4 + y² - load x."""
     return Surface(
-        lambda x, y: x**2 + x**4 / 4 + y**2 - load * x, lambda x, y: (2 * x + x**3 - load, 2 * y),
+        lambda x, y: x**2 + x**4 / 4 + y**2 - load * x,
+        lambda x, y: (2 * x + x**3 - load, 2 * y),
         lambda x, y: ((2 + 3 * x**2, 0.0), (0.0, 2.0)),
     )
 

@@ -1,4 +1,5 @@
 """The prediction of the next equilibrium: exact on polynomials, of the degree that the past supports."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings

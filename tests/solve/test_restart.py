@@ -1,4 +1,5 @@
 """A march that goes on from a checkpoint takes the same steps to the last bit, whatever acts in it."""
+
 import numpy as np
 import pytest
 

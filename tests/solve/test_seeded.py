@@ -1,4 +1,5 @@
 """Seeded scenes, ordinary and extreme: what has triangles turned over does not say "converged"."""
+
 from dataclasses import replace
 
 import numpy as np

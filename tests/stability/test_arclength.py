@@ -255,8 +255,13 @@ def test_limit_points_and_what_is_there_are_interpolated():
     arc = np.array([-0.9, -0.6, -0.3, 0.1, 0.4, 0.8])
     points = [
         PathPoint(
-            state=State(3 * s - 4 * s**3, {}), arc=s, rate=3 - 12 * s**2, growth=1.0, energy=0.0,
-            residual=0.0, negative_pivots=0,
+            state=State(3 * s - 4 * s**3, {}),
+            arc=s,
+            rate=3 - 12 * s**2,
+            growth=1.0,
+            energy=0.0,
+            residual=0.0,
+            negative_pivots=0,
         )
         for s in arc
     ]
@@ -286,8 +291,13 @@ def test_a_closed_path_is_followed_once(backward, largest):
     displacement = np.zeros_like(BODY.nodes)
     displacement[1, -1] = RADIUS - 2
     start = PathPoint(
-        state=State(0.5, {"displacement": displacement}), arc=0.0, rate=1.0, growth=1.0, energy=0.0,
-        residual=0.0, negative_pivots=0,
+        state=State(0.5, {"displacement": displacement}),
+        arc=0.0,
+        rate=1.0,
+        growth=1.0,
+        energy=0.0,
+        residual=0.0,
+        negative_pivots=0,
     )
     with pytest.raises(PathStoppedError, match="come back to its point at arc") as caught:
         equilibria(
@@ -317,7 +327,9 @@ def growing(*terms, element="auto", largest=0.1):
     body = half(semicircle(radius=1.0, thickness=0.2, size=0.1, base="clamped"))
     solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0), element=element)
     return Scene(
-        body=body, terms=(solid, *terms), processes=(TangentialGrowth(cortex=2.0),),
+        body=body,
+        terms=(solid, *terms),
+        processes=(TangentialGrowth(cortex=2.0),),
         stepping=Stepping(first=0.1, largest=largest),
     )
 
@@ -358,9 +370,7 @@ def test_contact_turns_the_path_forward_again():
     assert path.stable[-1]
     assert path.of("negative_pivots").max() == 1
     body = scene.body
-    assert not any(
-        folded_over(body.mesh, body.nodes + p.state["displacement"]).size for p in path.points
-    )
+    assert not any(folded_over(body.mesh, body.nodes + p.state["displacement"]).size for p in path.points)
     on = path.points[np.flatnonzero(path.of("rate") < 0)[-1] + 3]
     assert on.time < turns[0]
     *_, (last, _) = march(scene, Progress(on.state, 0.05))  # on the branch that the path has come to

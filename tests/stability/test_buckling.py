@@ -1,4 +1,5 @@
 """Buckling against independent thresholds: half discs, strips; half bodies, limit points, branches."""
+
 from dataclasses import replace
 from functools import partial
 

@@ -3,6 +3,7 @@
 The threshold is found twice: by the program's tangent, and by the exact incremental equations, whose
 solutions in each homogeneous layer are e^{ikx} e^{sy} with s from a polynomial of degree 4.
 """
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,7 +34,8 @@ class Strip:
 STRIPS = {
     "kappa 5 mu": (Strip(NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=1.0, kappa=5.0), 4.10), 1.6297),
     "document 1": (
-        Strip(NeoHookean.from_young(1895.0, 0.4583), NeoHookean.from_young(1389.0, 0.4583), 3.61), 1.7324,
+        Strip(NeoHookean.from_young(1895.0, 0.4583), NeoHookean.from_young(1389.0, 0.4583), 3.61),
+        1.7324,
     ),
     "stiff cortex": (Strip(NeoHookean(mu=1.0, kappa=5.0), NeoHookean(mu=10.0, kappa=50.0), 9.61), 1.1286),
 }

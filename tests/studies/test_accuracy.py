@@ -1,4 +1,5 @@
 """turingfold accuracy: trials, their differences, the table and the figure."""
+
 import csv
 import shlex
 from dataclasses import replace

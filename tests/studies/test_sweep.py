@@ -1,4 +1,5 @@
 """Scenes with other values of their parameters, from Python and at the command line."""
+
 import csv
 import shlex
 from dataclasses import replace

@@ -1,4 +1,5 @@
 """Active tangential stress of a layer."""
+
 import numpy as np
 import pytest
 

@@ -1,4 +1,5 @@
 """Self-contact: derivatives, balance, collision-free steps, obstacles, and the size of the barrier."""
+
 import subprocess
 import sys
 from dataclasses import replace
@@ -311,8 +312,11 @@ def folded(gap):
     contact = SelfContact(gap=gap)
     operator = contact.on(body)
     scene = Scene(
-        body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), contact), until=0.7,
-        processes=(TangentialGrowth(cortex=2.6),), stepping=Stepping(first=0.05, largest=0.05),
+        body=body,
+        terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), contact),
+        until=0.7,
+        processes=(TangentialGrowth(cortex=2.6),),
+        stepping=Stepping(first=0.05, largest=0.05),
     )
     for step, _ in march(scene, begin(scene)):
         assert not operator.walls.cross(operator.walls.positions(operator.moved(step.x)))
@@ -349,8 +353,9 @@ def stem():
     half = CubicSpline(range(12), np.stack([x, y], axis=1))(np.linspace(0, 11, 160))
     half = np.concatenate([half, [[9.0, -8.2]]])
     points = 1e-3 * np.concatenate([half, half[::-1][:-1] * [-1, 1]]).T
-    return outline(points, thickness=2.5e-3, size=1e-3, base="clamped",
-                   base_ends=((-9e-3, -8.2e-3), (9e-3, -8.2e-3)))
+    return outline(
+        points, thickness=2.5e-3, size=1e-3, base="clamped", base_ends=((-9e-3, -8.2e-3), (9e-3, -8.2e-3))
+    )
 
 
 @pytest.mark.parametrize("base_line", [True, False])
@@ -398,8 +403,12 @@ def test_a_body_that_touches_itself_at_rest_is_refused():
 @pytest.mark.parametrize(
     ("name", "bad"),
     [
-        ("base_line", 1), ("gap", 0.0), ("gap", 0.95), ("gap", float("nan")),
-        ("stiffness", -1.0), ("stiffness", None),
+        ("base_line", 1),
+        ("gap", 0.0),
+        ("gap", 0.95),
+        ("gap", float("nan")),
+        ("stiffness", -1.0),
+        ("stiffness", None),
     ],
 )
 def test_bad_input_is_refused(name, bad):

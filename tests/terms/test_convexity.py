@@ -1,4 +1,5 @@
 """The closed form of the tangent's negative part, against numerical eigenvalues."""
+
 import numpy as np
 import pytest
 

@@ -1,4 +1,5 @@
 """Creases: derivatives, the angle that they see, and steps that neither cross walls nor stop too early."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings

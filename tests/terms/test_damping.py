@@ -214,9 +214,11 @@ def test_rotation_is_resisted_in_proportion_to_the_sine_of_the_angle():
 
     def forces(angle, turn):
         """Forces against turning by `turn` more, over the length of the step's way."""
+
         def turned(by):
             R = np.array([[np.cos(by), -np.sin(by)], [np.sin(by), np.cos(by)]])
             return R @ body.nodes - body.nodes
+
         potential = at_rest(body, displacement=turned(angle))
         force, _ = potential.evaluate(turned(angle + turn).T.ravel()).gradient()
         return force / turn

@@ -1,4 +1,5 @@
 """Elasticity of the grown body: derivatives, objectivity, stress-free growth, projection, stresses."""
+
 import numpy as np
 import pytest
 from checks import message_names
@@ -112,8 +113,10 @@ def test_energy_is_the_integral_of_the_law(body):
     tx, ty = body.tangent
     zero, one = np.zeros_like(tx), np.ones_like(tx)
     t, n, z = (np.stack(v, axis=-1) for v in ((tx, ty, zero), (-ty, tx, zero), (zero, zero, one)))
-    G = sum(g[..., None, None] * v[..., :, None] * v[..., None, :]
-            for g, v in zip(state["growth"], (t, n, z), strict=True))
+    G = sum(
+        g[..., None, None] * v[..., :, None] * v[..., None, :]
+        for g, v in zip(state["growth"], (t, n, z), strict=True)
+    )
     E = F @ np.linalg.inv(G)
     J, I1 = np.linalg.det(E), (E**2).sum((-1, -2))
     psi = 0.5 * mu * (I1 * J ** (-2 / 3) - 3) + 0.5 * kappa * (J - 1) ** 2

@@ -1,4 +1,5 @@
 """The barrier against triangles that turn over: what it measures, its derivatives, and its steps."""
+
 import numpy as np
 import pytest
 from test_creases import STEP, block, moved, state_of

@@ -1,4 +1,5 @@
 """The neo-Hookean law: natural state, stress, tangent, parameters, and its linear limit."""
+
 import numpy as np
 import pytest
 from checks import message_names

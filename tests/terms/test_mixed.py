@@ -1,4 +1,5 @@
 """The mixed element: derivatives, bubbles, exact states, the incompressible limit, Newton iterations."""
+
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -221,7 +222,9 @@ def test_a_ring_on_a_core_tends_to_the_incompressible_closed_form(growth, outer,
     body = semicircle(radius=1.0, thickness=0.1, size=0.1 / 3, base="roller")
     grow = TangentialGrowth(cortex=growth)
     scene = Scene(
-        body=body, terms=(Mixed(gray=material(0.499999)),), processes=(grow,),
+        body=body,
+        terms=(Mixed(gray=material(0.499999)),),
+        processes=(grow,),
         stepping=Stepping(first=0.5, largest=0.5),
     )
     last = steps(scene)[-1]
@@ -269,9 +272,7 @@ def membrane(n, rounds):
 
 def bent(body, m):
     """Return the rise of the membrane's upper right corner, mm, and the Newton iterations of four steps."""
-    scene = Scene(
-        body=body, terms=(Mixed(gray=m), Shear(6.25)), stepping=Stepping(first=0.25, largest=0.25)
-    )
+    scene = Scene(body=body, terms=(Mixed(gray=m), Shear(6.25)), stepping=Stepping(first=0.25, largest=0.25))
     found = steps(scene)
     corner = np.argmin(np.hypot(body.nodes[0] - 48, body.nodes[1] - 60))
     assert len(found) == 4
@@ -298,8 +299,10 @@ def test_it_does_not_lock():
 
 def test_a_march_goes_on_from_its_state_to_the_last_bit(body):
     scene = Scene(
-        body=body, terms=(Mixed(gray=material(0.4999)),),
-        processes=(TangentialGrowth(cortex=1.3),), stepping=Stepping(first=0.25, largest=0.25),
+        body=body,
+        terms=(Mixed(gray=material(0.4999)),),
+        processes=(TangentialGrowth(cortex=1.3),),
+        stepping=Stepping(first=0.25, largest=0.25),
     )
     whole = list(march(scene, begin(scene)))
     again = list(march(scene, whole[1][1]))

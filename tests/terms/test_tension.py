@@ -1,4 +1,5 @@
 """Axonal tension: balance, energy, where and which way it pulls, and its ramp."""
+
 import numpy as np
 import pytest
 from checks import message_names
@@ -47,16 +48,32 @@ def test_line_tension_passes_the_examination(body, follower):
     other = AxonalTension(strength=0.7, follower=follower)
     samples = [small(body, 1), small(body, 2)]
     # a dead load keeps its direction, so it turns a body that has been turned
-    check_term(term, body, patterned(body, waves), samples, step=1e-3, moment=follower,
-               objective=follower, other=other)
+    check_term(
+        term,
+        body,
+        patterned(body, waves),
+        samples,
+        step=1e-3,
+        moment=follower,
+        objective=follower,
+        other=other,
+    )
 
 
 @pytest.mark.parametrize("direction", ["toward-peaks", "between-peaks"])
 def test_pial_loads_pass_the_examination(body, direction):
     term = AxonalTension(strength=0.5, surface="pial", direction=direction)
     other = AxonalTension(strength=0.7, surface="pial", direction=direction)
-    check_term(term, body, patterned(body, waves), [small(body)], step=1e-3, balanced=False,
-               objective=False, other=other)
+    check_term(
+        term,
+        body,
+        patterned(body, waves),
+        [small(body)],
+        step=1e-3,
+        balanced=False,
+        objective=False,
+        other=other,
+    )
 
 
 @pytest.mark.parametrize("follower", [False, True])

@@ -27,7 +27,6 @@ def final(moments):
     return last
 
 
-
 @pytest.fixture(scope="module")
 def problem():
     system = problem_a(semi_annulus(48, 1), 2)

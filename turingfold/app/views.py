@@ -56,9 +56,7 @@ class Views:
             "frames": [frame for frame in frames if frame],
         }
 
-    def _measured(
-        self, folder: Path, known: tuple[Any, ...], step: int, stamp: int
-    ) -> dict[str, Any] | None:
+    def _measured(self, folder: Path, known: tuple[Any, ...], step: int, stamp: int) -> dict[str, Any] | None:
         """Return time, age, number of folds and their mean depth of a kept state; None of a damaged one."""
         scene = self.scene(folder, known)
         body = scene.body

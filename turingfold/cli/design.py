@@ -55,9 +55,7 @@ class _Values:
         return [*self.own, *self.parts]
 
 
-def points(
-    case: Case, request: Request, design: Design, base: Path, keep: str
-) -> tuple[list[Point], Maker]:
+def points(case: Case, request: Request, design: Design, base: Path, keep: str) -> tuple[list[Point], Maker]:
     """Return the points of a study, and what has made the scenes of the first that can be made.
 
     Raises ValueError for unknown parameters, lists of values of another kind or out of range, points of one

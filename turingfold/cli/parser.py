@@ -172,9 +172,7 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     plot.set_defaults(command="plot")
 
 
-def _add_cases(
-    commands: Commands, stored: argparse.ArgumentParser, common: argparse.ArgumentParser
-) -> None:
+def _add_cases(commands: Commands, stored: argparse.ArgumentParser, common: argparse.ArgumentParser) -> None:
     """Add the commands that show, name and copy cases."""
     app = commands.add_parser(
         "app", parents=[common], help="fold brains in the browser",

@@ -79,8 +79,7 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
     base = base_folder(case, request)
     jobs = deque(
-        Job(case.path, one.name, one.scene, base / folder_name(one.name), one.provenance)
-        for one in plan
+        Job(case.path, one.name, one.scene, base / folder_name(one.name), one.provenance) for one in plan
     )
     for job in jobs:
         assert job.scene is not None
@@ -189,9 +188,7 @@ def progress(ends: Mapping[str, float]) -> Iterator[Report]:
         TimeRemainingColumn(), TextColumn("left"),
     )  # fmt: skip
     with Progress(*columns, console=Console(stderr=True)) as bars:
-        tasks = {
-            name: bars.add_task(name, total=end, growth=1.0, iterations=0) for name, end in ends.items()
-        }
+        tasks = {name: bars.add_task(name, total=end, growth=1.0, iterations=0) for name, end in ends.items()}
 
         def report(name: str, row: Row, iterations: int) -> None:
             bars.update(tasks[name], completed=row["time"], growth=row["growth"], iterations=iterations)

@@ -1,8 +1,8 @@
 """The folder of a study: study.json says which points it has, each of these has a folder with its record.
 
-    study.json          case, values that were set, the columns with their units, the points
-    <point>/point.json  how the point ended, and its numbers
-    sweep.csv           a row for each point that has ended; also sweep.parquet where pyarrow is installed
+study.json          case, values that were set, the columns with their units, the points
+<point>/point.json  how the point ended, and its numbers
+sweep.csv           a row for each point that has ended; also sweep.parquet where pyarrow is installed
 """
 
 from __future__ import annotations

@@ -30,9 +30,7 @@ class Changes:
         """Return the changes in m of what was made in units of `unit` around `centre`, (2, 1), m."""
         x0, y0 = centre.ravel().tolist()
         dropped = [(x0 + unit * x, y0 + unit * y, area * unit**2) for x, y, area in self.dropped]
-        return replace(
-            self, moved=self.moved * unit, dropped=tuple(dropped), smallest_angle=smallest_angle
-        )
+        return replace(self, moved=self.moved * unit, dropped=tuple(dropped), smallest_angle=smallest_angle)
 
     def __str__(self) -> str:
         told = [

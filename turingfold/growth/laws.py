@@ -207,5 +207,3 @@ def thinned(thinning: float, time: float) -> float:
             time=time,
         )
     return left
-
-

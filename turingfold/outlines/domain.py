@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from ..arrays import Array
 from ..geometry.changes import Changes
 from .loops import Trace, traced
-from .region import below, even_odd, fitted, large, moved, opened, pieces, smoothed, tapered
+from .region import below, even_odd, fitted, large, moved, opened, pieces, smoothed, tapered, unchanged_near
 
 FINE = 8  # samples of a curve per element
 NEAR = 0.02  # of the size: nodes so close to a smooth curve are put on it
@@ -125,9 +125,7 @@ def domain(
     allowed = raw if even else below(area, pial, least)
     raw = raw.intersection(allowed)
     white = smoothed(raw, size, 0.25 * size).intersection(allowed)
-    if given.bases:
-        near = bases.buffer(0.75 * size)
-        white = white.difference(near).union(raw.intersection(near))
+    white = unchanged_near(bases, white, raw, size)
     white, walls, holes = large(white, size**2), None, MultiPolygon()
     if given.holes:
         walls = traced(given.holes, step, smooth)

@@ -114,9 +114,7 @@ def _interface(made: Domain) -> tuple[list[Array], list[list[float]]]:
     return found, stops
 
 
-def _quadratic(
-    found: Frame, points: Array, triangles: Integers, middles: Array, white: Booleans
-) -> MeshTri2:
+def _quadratic(found: Frame, points: Array, triangles: Integers, middles: Array, white: Booleans) -> MeshTri2:
     """Return the mesh with the edges of the frame curved, where that folds no triangle.
 
     white: whether the centre of each triangle is in white matter, (e,).

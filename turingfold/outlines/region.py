@@ -81,10 +81,21 @@ def fitted(area: BaseGeometry, size: float, inset: float, bases: BaseGeometry) -
         if np.hypot(x1 - x0, y1 - y0) > CLEFT * size:
             tissue = tissue.difference(gap.buffer(spread))
     tissue = smoothed(tissue, size, min(0.25 * size, inset))
-    if not bases.is_empty:
-        near = bases.buffer(0.75 * size)
-        tissue = tissue.difference(near).union(area.intersection(near))
-    return large(tissue, size**2)
+    return large(unchanged_near(bases, tissue, area, size), size**2)
+
+
+def unchanged_near(
+    bases: BaseGeometry, changed: BaseGeometry, given: BaseGeometry, size: float
+) -> BaseGeometry:
+    """Return a changed set, but as it was given within 0.75 size of the bases (lines) that it touches.
+
+    Both parts overlap a little, or rounding would leave slits along the line where they meet.
+    """
+    touched = bases.intersection(given.buffer(SLIVER * size))
+    if touched.is_empty:
+        return changed
+    near = touched.buffer(0.75 * size)
+    return changed.difference(near).union(given.intersection(near.buffer(SLIVER * size)))
 
 
 def below(area: BaseGeometry, pial: BaseGeometry, depth: float) -> BaseGeometry:

@@ -1,12 +1,12 @@
 """The folder of one result: scene, history, summary, kept states, frames and checkpoints.
 
-    scene.json, body.npz       what was run: every part and value, seed, versions, date; can be run again
-    history.csv                a row per accepted step
-    summary.json               numbers of the last state, and how the run ended; none of a killed run
-    states/000012.npz          fields of the state after step 12, exactly; the last state is always there
-    frames/000012.vtu, frames.pvd   the same for ParaView
-    checkpoint-000012.npz      from which the run goes on bit for bit; the last two are kept
-    .lock                      held by the process that writes here, and gone with it
+scene.json, body.npz       what was run: every part and value, seed, versions, date; can be run again
+history.csv                a row per accepted step
+summary.json               numbers of the last state, and how the run ended; none of a killed run
+states/000012.npz          fields of the state after step 12, exactly; the last state is always there
+frames/000012.vtu, frames.pvd   the same for ParaView
+checkpoint-000012.npz      from which the run goes on bit for bit; the last two are kept
+.lock                      held by the process that writes here, and gone with it
 """
 
 from __future__ import annotations

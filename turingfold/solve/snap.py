@@ -52,9 +52,7 @@ class Creep:
         T = scene.body.thickness
         return cls(mass(scene.body, 1.0), stress_scale(scene.terms) / T**2, T)
 
-    def to_minimum(
-        self, minimiser: Minimiser, potentials: tuple[Potential, ...], x: Array
-    ) -> Equilibrium:
+    def to_minimum(self, minimiser: Minimiser, potentials: tuple[Potential, ...], x: Array) -> Equilibrium:
         """Return the equilibrium at which the gradient flow from x ends.
 
         Raises NotConvergedError where the flow finds no way down, or takes too many steps.

@@ -31,9 +31,7 @@ def error_of_step(before: tuple[Past, ...], time: float, displacement: Array) ->
     return float(np.hypot(*change).max()) * dt * dt / (dt + earlier)
 
 
-def longest_next(
-    before: tuple[Past, ...], time: float, displacement: Array, stepping: Stepping
-) -> float:
+def longest_next(before: tuple[Past, ...], time: float, displacement: Array, stepping: Stepping) -> float:
     """Return the longest step after one that the bound on the error allows; inf without a bound.
 
     Raises StepTooLongError for one that is too far off itself.

@@ -253,8 +253,13 @@ def _attempt(corrector: Corrector, last: Balanced, length: float, careful: bool)
 
 def _point(found: Balanced, arc: float) -> PathPoint:
     return PathPoint(
-        state=found.state, arc=arc, rate=found.tangent.time, growth=largest_growth(found.state),
-        energy=found.energy, residual=found.residual, negative_pivots=found.negative,
+        state=found.state,
+        arc=arc,
+        rate=found.tangent.time,
+        growth=largest_growth(found.state),
+        energy=found.energy,
+        residual=found.residual,
+        negative_pivots=found.negative,
     )
 
 
@@ -263,13 +268,13 @@ def _failed(points: list[PathPoint], error: SolveError) -> PathStoppedError:
     return _stopped(points, f"{error}{far}", SMALLER, error)
 
 
-def _stopped(
-    points: list[PathPoint], why: str, remedy: str, at: PathPoint | SolveError
-) -> PathStoppedError:
+def _stopped(points: list[PathPoint], why: str, remedy: str, at: PathPoint | SolveError) -> PathStoppedError:
     """Return the error of a path that stopped after these points, `at` its last one or by an error."""
     where = f"t = {points[-1].time:.6g}, growth {points[-1].growth:.4g}" if points else "its start"
     return PathStoppedError(
         f"The path of equilibria stopped after {len(points)} points at {where}: {why}. The points so far are "
         f"kept. {remedy}",
-        EquilibriumPath(tuple(points)), time=points[-1].time if points else at.time, residual=at.residual,
+        EquilibriumPath(tuple(points)),
+        time=points[-1].time if points else at.time,
+        residual=at.residual,
     )

@@ -93,8 +93,13 @@ def buckling(scene: Scene) -> Buckling:
     shape[path.assembler.free] = vector
     shape = shape.reshape(-1, 2).T / np.hypot(*shape.reshape(-1, 2).T).max()
     return Buckling(
-        growth=largest_growth(base.state), time=base.state.time, mode=half_waves(scene.body, shape),
-        shape=shape, state=base.state, remaining_stiffness=stiffness, limit=limit,
+        growth=largest_growth(base.state),
+        time=base.state.time,
+        mode=half_waves(scene.body, shape),
+        shape=shape,
+        state=base.state,
+        remaining_stiffness=stiffness,
+        limit=limit,
     )
 
 
@@ -151,9 +156,7 @@ def _closer(
     return [*nodes, end]
 
 
-def _attempt(
-    path: FundamentalPath, state: State, dt: float, ahead: Array | None
-) -> FundamentalState | None:
+def _attempt(path: FundamentalPath, state: State, dt: float, ahead: Array | None) -> FundamentalState | None:
     """Return the state dt ahead, or None; a step that may end too near a bifurcation is tried longer."""
     leap = dt > 0.1 * path.scene.stepping.largest * path.scene.until
     for length in (dt, 1.5 * dt) if leap else (dt,):
@@ -168,6 +171,7 @@ def _attempt(
 def _crossing(path: FundamentalPath, nodes: list[FundamentalState]) -> FundamentalState:
     """Return the state between the last two nodes where the lowest eigenvalue vanishes."""
     start, end = nodes[-2].state.time, nodes[-1].state.time
+
     def left(time: float) -> float:
         return path.lowest(path.between(nodes, time))[0]
 

@@ -125,7 +125,8 @@ class Corrector:
             change = time - here.place.time
             here = self._moved(here, Direction(back + change * by_time, change))
         raise NotConvergedError(
-            f"{ITERATIONS} iterations of the corrector were not enough", time=here.place.time,
+            f"{ITERATIONS} iterations of the corrector were not enough",
+            time=here.place.time,
             residual=here.residual,
         )
 
@@ -199,8 +200,13 @@ class Corrector:
         """Return the equilibrium with the path's tangent, on the side of `across`."""
         displacement = here.place.x.reshape(-1, 2).T.copy()
         return Balanced(
-            here.place, here.state.updated(displacement=displacement), here.at.energy,
-            here.residual, negative, self._unit(Direction(by_time, 1.0), across, 1.0), iterations,
+            here.place,
+            here.state.updated(displacement=displacement),
+            here.at.energy,
+            here.residual,
+            negative,
+            self._unit(Direction(by_time, 1.0), across, 1.0),
+            iterations,
         )
 
     def _unit(self, one: Direction, other: Direction, side: float) -> Direction:

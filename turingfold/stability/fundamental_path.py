@@ -167,8 +167,13 @@ class FundamentalPath:
         start = np.random.default_rng(self.scene.seed).standard_normal(sparsity.n)
         try:
             values, vectors = eigsh(
-                symmetric(sparsity, base.tangent), k=1, M=symmetric(sparsity, at_start), sigma=shift,
-                OPinv=inverse, v0=start, tol=1e-8,
+                symmetric(sparsity, base.tangent),
+                k=1,
+                M=symmetric(sparsity, at_start),
+                sigma=shift,
+                OPinv=inverse,
+                v0=start,
+                tol=1e-8,
             )
         except ArpackError as error:
             raise NotConvergedError(

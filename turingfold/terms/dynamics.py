@@ -105,9 +105,7 @@ class InertiaOperator(Operator):
         old = by_node(state["displacement"])
         velocity = by_node(state["velocity"]) if "velocity" in state else np.zeros_like(old)
         target = old + step.span * velocity
-        return InertiaPotential(
-            self.mass, target, step.span**-2, old=old, velocity=velocity, step=step
-        )
+        return InertiaPotential(self.mass, target, step.span**-2, old=old, velocity=velocity, step=step)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -192,6 +192,7 @@ class SteadyOnBody(Steady):
             "pattern": pattern.normalised,
         }
 
+
 def _linear_first(turing: Turing, body: Body, design: Design, begin: Array, deadline: float) -> Pattern:
     """Run to the pattern on linear elements, and solve for it on quadratic ones from there."""
     found, mesh = design.conditions, body.cortex.mesh

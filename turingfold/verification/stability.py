@@ -121,9 +121,7 @@ def discs() -> list[Quantity]:
     """
     found = []
     for thickness, ratio, layers, out, growth, mode in DISCS:
-        body = semicircle(
-            radius=1.0, thickness=thickness, size=thickness / 2, base="roller", layers=layers
-        )
+        body = semicircle(radius=1.0, thickness=thickness, size=thickness / 2, base="roller", layers=layers)
         gray = NeoHookean(mu=ratio * SOFT.mu, kappa=ratio * SOFT.kappa)
         at = grown(body, Elastic(gray=gray, white=SOFT), growth, out)
         name = f"T/R {thickness:g}, ratio {ratio:g}, {layers}, {out}"

@@ -133,9 +133,9 @@ class MixedEvaluation(Condensed):
         operator = self.potential.operator
         K = self._stiffness if convexity == 0 else self._integrated(convexity)
         nodes, bubble = K[NODES], K[BUBBLE]
-        condensed = nodes[:, NODES] - np.einsum("ipe,iqe->pqe", nodes[:, BUBBLE].transpose(1, 0, 2), _solved(
-            bubble[:, BUBBLE], bubble[:, NODES]
-        ))
+        condensed = nodes[:, NODES] - np.einsum(
+            "ipe,iqe->pqe", nodes[:, BUBBLE].transpose(1, 0, 2), _solved(bubble[:, BUBBLE], bubble[:, NODES])
+        )
         return Hessian(operator.entries, condensed[operator.low, operator.high])
 
     @cached_property
