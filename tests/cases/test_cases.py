@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from regression import differences
 
 from turingfold import BoundaryLoads, TangentialGrowth, half, human, semicircle, simulate
 from turingfold.cli.case import find_case, folder_name, load_case
@@ -189,7 +190,7 @@ def test_scenes_are_made_in_full_size(path):  # those of ferret_stages are made 
 
 
 def check_run(path, out):
-    """Run and draw a quick case and return the summaries of its scenes."""
+    """Run and draw a quick case, hold its numbers to the stored ones, and return its scenes' summaries."""
     case = load_case(path)
     assert main(["run", str(path), "--quick", "--out", str(out)]) == 0
     assert (out / case.name / f"{case.name}.png").stat().st_size > 10_000
@@ -198,6 +199,7 @@ def check_run(path, out):
         file = out / case.name / folder_name(name) / "summary.json"
         summaries[name] = json.loads(file.read_text())
         check(summaries[name])
+    assert not (moved := differences(case.name, summaries)), "\n".join(moved)
     return summaries
 
 
