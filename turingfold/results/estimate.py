@@ -35,10 +35,13 @@ from ..state import State
 from .measures import shape_numbers
 
 BEYOND = 1.5  # 1/(1 - 2⁻ᵖ) is 2 at creases and corners, of order 1, 1.14 of order 3: their geometric mean
+# a surface that ends at a clamp: displacements are as r^0.595 where clamped and free side meet at a right angle
+# in plane strain, ν = 1/2 (Williams 1952, J. Appl. Mech. 19, 526), and the length of its edge as h^0.595
+AT_CLAMPS = 1 / (1 - 2**-0.595)
 FARTHEST = 1.0  # cortical thicknesses that the finer mesh may move a node for the estimate to mean anything
 NUDGE = 1e-6  # cortical thicknesses by which nodes move for a difference of forces
 LOCAL, PATIENCE = 1e-3, 20  # residual and Newton iterations of the new nodes' answer
-ENERGY = "energy"
+ENERGY, LENGTH = "energy", "perimeter"
 Numbers = dict[str, float]
 
 
@@ -69,11 +72,25 @@ def estimated(problem: Problem, state: State) -> Numbers:
     farthest = float(np.abs(e).max()) / body.thickness
     if not farthest <= FARTHEST:
         raise NoEstimateError(f"a finer mesh would move the body by {farthest:.2g} cortical thicknesses")
-    before = shape_numbers(body, state["displacement"])
-    after = shape_numbers(finer.body, (finer.at.x + e).reshape(-1, 2).T)
+    there = (finer.at.x + e).reshape(-1, 2).T
+    before, after = shape_numbers(body, state["displacement"]), shape_numbers(finer.body, there)
     off = {name: after[name] - before[name] for name in before}
     off[ENERGY] = local.energy - at.energy + 0.5 * float(local.forces @ move)
-    return {name: BEYOND * abs(value) for name, value in off.items()}
+    clamps = _length_at_clamps(finer.body, there, 4) - _length_at_clamps(body, state["displacement"], 2)
+    off[LENGTH] -= clamps
+    found = {name: BEYOND * abs(value) for name, value in off.items()}
+    found[LENGTH] += AT_CLAMPS * abs(clamps)
+    return found
+
+
+def _length_at_clamps(body: Body, displacement: Array, chords: int) -> float:
+    """Return the length, m, of so many chords of the deformed pial surface at each of its clamped ends."""
+    moved, length = body.nodes + displacement, 0.0
+    for path in body.pial_paths:
+        for nodes in () if path.closed else (path.nodes, path.nodes[::-1]):
+            if np.isin(2 * nodes[0] + np.arange(2), body.supported).all():
+                length += float(np.hypot(*np.diff(moved[:, nodes[: chords + 1]])).sum())
+    return 2 * length if body.mirror else length
 
 
 @dataclass(frozen=True, eq=False)
