@@ -35,8 +35,8 @@ from ..state import State
 from .measures import shape_numbers
 
 BEYOND = 1.5  # 1/(1 - 2⁻ᵖ) is 2 at creases and corners, of order 1, 1.14 of order 3: their geometric mean
-# a surface that ends at a clamp: displacements are as r^0.595 where clamped and free side meet at a right angle
-# in plane strain, ν = 1/2 (Williams 1952, J. Appl. Mech. 19, 526), and the length of its edge as h^0.595
+# where a surface ends at a clamp, displacements are as r^0.595 (clamped and free side at a right angle, plane
+# strain, ν = 1/2; Williams 1952, J. Appl. Mech. 19, 526), and the length of its last edge is off as h^0.595
 AT_CLAMPS = 1 / (1 - 2**-0.595)
 FARTHEST = 1.0  # cortical thicknesses that the finer mesh may move a node for the estimate to mean anything
 NUDGE = 1e-6  # cortical thicknesses by which nodes move for a difference of forces
@@ -53,7 +53,7 @@ def estimated(problem: Problem, state: State) -> Numbers:
     """Return by how much energy (J/m), pial length (m), gyrification index and sulcal depth (m) are off.
 
     They are the errors of the mesh: of its elements, its quadrature and the distance that contact keeps.
-    Equilibria have no error of the steps but that of processes that remember, and of those none is told.
+    What the steps leave is told by `step_errors`.
     Raises NoEstimateError where terms resist motion, as errors then add up over all steps; where the finer
     mesh cannot take the state; and where it would move the body far.
     """
