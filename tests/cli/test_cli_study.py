@@ -16,7 +16,7 @@ from turingfold.cli.case import find_case
 from turingfold.cli.design import Design, points
 from turingfold.cli.main import main
 from turingfold.cli.point import Maker, run_point
-from turingfold.cli.request import Request
+from turingfold.cli.request import Request, Running
 
 CASE = '''"""A coarse patch of cortex that grows. Less than a second."""
 from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle
@@ -130,7 +130,7 @@ def test_of_a_point_the_summary_the_last_state_or_all_is_kept():
     (one,) = plan("cortex=1.2", "first=0.1")
     ends, sizes = [], []
     for keep in ("all", "last", "summary"):  # each in the folder of the one before
-        ends.append(run_point(replace(one, keep=keep, overwrite=True)))
+        ends.append(run_point(replace(one, keep=keep, running=Running(overwrite=True))))
         files = [file for file in one.folder.rglob("*") if file.is_file()]
         sizes.append(sum(file.stat().st_size for file in files))
         if keep == "all":

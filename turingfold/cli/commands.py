@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
-from .request import Request, Running
-from .status import say
+from .request import Request, Running, Telling
+from .status import Answer, say
 
 
 def _request(options: argparse.Namespace, *command: str) -> Request:
@@ -18,17 +19,27 @@ def _request(options: argparse.Namespace, *command: str) -> Request:
     return Request(options.case, options.quick, out, only, assigned, command)
 
 
+def _pictured(options: argparse.Namespace, *command: str) -> Request:
+    """Return the request of a command whose figure is that of the case."""
+    return replace(_request(options, *command), figure=options.figure)
+
+
 def _running(options: argparse.Namespace) -> Running:
-    return Running(options.resume, options.overwrite, options.jobs, options.errors)
+    """Return how scenes are run: by the options that the command has, and as usual by the others."""
+    names = ("resume", "overwrite", "jobs", "errors", "max_seconds", "frames", "vtu")
+    given = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    quiet, verbose = (getattr(options, name, False) for name in ("quiet", "verbose"))
+    telling = Telling.NOTHING if quiet else Telling.STEPS if verbose else Telling.OVERALL
+    return Running(**given, telling=telling)
 
 
-def _run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> Answer:
     from .run import run
 
-    return run(_request(options, "run"), _running(options))
+    return run(_pictured(options, "run"), _running(options))
 
 
-def _sweep(options: argparse.Namespace) -> int:
+def _sweep(options: argparse.Namespace) -> Answer:
     from .design import Design
     from .sweep import Asked, sweep
 
@@ -36,7 +47,7 @@ def _sweep(options: argparse.Namespace) -> int:
     samples = options.lhs or options.sobol or 0
     design = Design(tuple(options.vary), options.points, method, samples, options.seed)
     asked = Asked(options.keep, options.task, options.dask)
-    request = _request(options, "sweep", *design.words(), *asked.words())
+    request = _pictured(options, "sweep", *design.words(), *asked.words())
     return sweep(request, design, _running(options), asked)
 
 
@@ -75,6 +86,13 @@ def _fit(options: argparse.Namespace) -> int:
 
     own = [word for age, file in options.target for word in ("--target", f"{age}={file}")]
     own += [word for name in options.to for word in ("--to", name)]
+    bounds = ":".join(map(repr, options.bounds)) if options.bounds else None
+    smoothness = options.smoothness or None
+    for name, value in (
+        ("unit", options.unit), ("bounds", bounds), ("smoothness", smoothness), ("noise", options.noise),
+        ("figure", options.figure),
+    ):  # fmt: skip
+        own += [] if value is None else [f"--{name}", str(value)]
     asked = Asked(
         tuple(options.target), tuple(options.to), options.unit, options.bounds, options.smoothness,
         options.noise, options.figure,
@@ -89,11 +107,10 @@ def _app(options: argparse.Namespace) -> int:
     return app(options.case, options.folder, address, show=not options.no_open)
 
 
-def _draw(options: argparse.Namespace) -> int:
+def _draw(options: argparse.Namespace) -> Answer:
     from .run import draw
 
-    say(f"figure: {draw(_request(options, 'run'))}")
-    return 0
+    return draw(_pictured(options, "run"))
 
 
 def _animate(options: argparse.Namespace) -> int:
@@ -162,13 +179,13 @@ def _compare(options: argparse.Namespace) -> int:
     return 0
 
 
-def _doctor(options: argparse.Namespace) -> int:
+def _doctor(options: argparse.Namespace) -> Answer:
     from .doctor import doctor
 
-    return doctor(as_json=options.json)
+    return doctor()
 
 
-COMMANDS: Mapping[str, Callable[[argparse.Namespace], int]] = {
+COMMANDS: Mapping[str, Callable[[argparse.Namespace], int | Answer]] = {
     "run": _run,
     "sweep": _sweep,
     "collect": _collect,

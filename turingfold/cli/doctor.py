@@ -6,7 +6,6 @@ loaded in.
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 import re
@@ -22,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from .browser import has_display
-from .status import WIDTH, say
+from .status import WIDTH, Answer, say
 
 OWN = "turingfold"
 EXTRAS = {  # for those who use it: what each gives
@@ -68,21 +67,18 @@ class Finding:
     wrong: tuple[str, ...] = field(default=())
 
 
-def doctor(*, as_json: bool) -> int:
-    """Say what was found, as lines or as one JSON object; return 0, or 1 where something is wrong."""
+def doctor() -> Answer:
+    """Say what was found; the exit status is 1 where something is wrong."""
     found = list(findings())
     wrong = [words for one in found for words in one.wrong]
-    if as_json:
-        say(json.dumps({**{one.name: one.facts for one in found}, "problems": wrong}))
-    else:
-        width = max(len(one.name) for one in found) + 2
-        for one in found:
-            first, *rest = one.words.splitlines()
-            say("\n".join([f"{one.name:<{width}}{first}", *(f"{'':<{width}}{line}" for line in rest)]))
-        for words in wrong:
-            say(f"PROBLEM: {words}")
-        say("something is wrong" if wrong else "all that is needed works")
-    return 1 if wrong else 0
+    width = max(len(one.name) for one in found) + 2
+    for one in found:
+        first, *rest = one.words.splitlines()
+        say("\n".join([f"{one.name:<{width}}{first}", *(f"{'':<{width}}{line}" for line in rest)]))
+    for words in wrong:
+        say(f"PROBLEM: {words}")
+    say("something is wrong" if wrong else "all that is needed works")
+    return Answer(1 if wrong else 0, {**{one.name: one.facts for one in found}, "problems": wrong})
 
 
 def findings() -> Iterator[Finding]:

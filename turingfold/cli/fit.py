@@ -70,6 +70,7 @@ def fitted(request: Request, running: Running, asked: Asked) -> int:
         result = simulate(
             scene, base / folder_name(one.name), resume=running.resume, overwrite=running.overwrite,
             case={**one.provenance, "fitted": dict(zip(to, found.values.tolist(), strict=True))},
+            errors=running.errors,
         )  # fmt: skip
     except StoppedError as error:
         say(f"the fitted scene stopped: {error}")

@@ -10,11 +10,12 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
-from typing import TextIO
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
 
 from .parser import parser
-from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, Interrupted, complain, say
+from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, Answer, Interrupted, complain, note, say
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -31,6 +32,42 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "command" not in options:
         say(commands.format_help().rstrip())
         return 0
+    with _aside(options):
+        answer = _answered(options)
+    if _has(options, "json"):
+        import json
+
+        say(json.dumps({"exit_status": answer.status, **answer.facts}, ensure_ascii=False, allow_nan=False))
+    return answer.status
+
+
+def run_case(file: str) -> None:
+    """Run a case from its own file, `if __name__ == "__main__": run_case(__file__)`, and end the program."""
+    path, here = Path(file).resolve(), Path.cwd()
+    shown = path.relative_to(here) if path.is_relative_to(here) else path
+    raise SystemExit(main(["run", str(shown), *sys.argv[1:]]))
+
+
+def _has(options: argparse.Namespace, name: str) -> bool:
+    """Return whether an option was given; not every command has every one."""
+    return bool(getattr(options, name, False))
+
+
+@contextmanager
+def _aside(options: argparse.Namespace) -> Iterator[None]:
+    """Keep standard output free for one JSON object, or for nothing, if that is asked for."""
+    if _has(options, "quiet"):
+        with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):
+            yield
+    elif _has(options, "json"):
+        with redirect_stdout(sys.stderr):
+            yield
+    else:
+        yield
+
+
+def _answered(options: argparse.Namespace) -> Answer:
+    """Do it, and say where it was interrupted."""
     try:
         return _done(options)
     except Interrupted as stopped:
@@ -44,16 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise
 
 
-def run_case(file: str) -> None:
-    """Run a case from its own file, `if __name__ == "__main__": run_case(__file__)`, and end the program."""
-    from pathlib import Path
-
-    path, here = Path(file).resolve(), Path.cwd()
-    shown = path.relative_to(here) if path.is_relative_to(here) else path
-    raise SystemExit(main(["run", str(shown), *sys.argv[1:]]))
-
-
-def _done(options: argparse.Namespace) -> int:
+def _done(options: argparse.Namespace) -> Answer:
     """Do it, in one thread if not asked otherwise, and say in words what fails."""
     import logging
     import warnings
@@ -66,10 +94,11 @@ def _done(options: argparse.Namespace) -> int:
     from .commands import COMMANDS
 
     with warnings.catch_warnings():
-        warnings.simplefilter("default", UserWarning)
-        warnings.showwarning = _note
+        warnings.simplefilter("ignore" if _has(options, "quiet") else "default", UserWarning)
+        warnings.showwarning = note
         try:
-            return COMMANDS[options.command](options)
+            answer = COMMANDS[options.command](options)
+            return answer if isinstance(answer, Answer) else Answer(answer, {})
         except SolveError as error:
             return _failed(options, str(error), STOPPED)
         except OSError as error:
@@ -91,17 +120,10 @@ def _interrupted(error: BaseException | None) -> bool:
     return error is not None
 
 
-def _failed(options: argparse.Namespace, message: str, status: int) -> int:
+def _failed(options: argparse.Namespace, message: str, status: int) -> Answer:
     if options.debug:
         import traceback
 
         traceback.print_exc()
     complain(message)
-    return status
-
-
-def _note(
-    message: Warning | str, category: type[Warning], filename: str, lineno: int, file: TextIO | None = None,
-    line: str | None = None,
-) -> None:  # fmt: skip
-    print(f"turingfold: note: {message}", file=sys.stderr)
+    return Answer(status, {"error": message})

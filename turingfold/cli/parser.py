@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TypeAlias
 
+from . import arguments
 from .kinds import assignment, at_least_one, figure, natural, smoothness, span, task
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -18,55 +19,27 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="turingfold", description="Cortical folding in two dimensions.")
     top.add_argument("--version", action="store_true", help="say which version this is")
     commands = top.add_subparsers(metavar="COMMAND")
-    common = argparse.ArgumentParser(add_help=False)
-    common.add_argument("--threads", type=at_least_one, default=1, metavar="N", help="BLAS threads (1)")
-    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    stored = argparse.ArgumentParser(add_help=False)
-    stored.add_argument("--out", type=Path, metavar="DIR", help="results in DIR/<case>/<scene> (results)")
-    _add_runs(commands, [_case_arguments(), stored, _run_arguments(), common])
-    _add_cases(commands, stored, common)
+    common = arguments.common()
+    _add_runs(commands, common)
+    _add_studies(commands, common)
+    _add_cases(commands, common)
     _add_results(commands, common)
     _add_theory(commands, common)
     _add_doctor(commands, common)
     return top
 
 
-def _case_arguments(*, chosen: bool = True) -> argparse.ArgumentParser:
-    """Return the arguments that say which case is meant, and which of its scenes with which parameters."""
-    found = argparse.ArgumentParser(add_help=False)
-    found.add_argument("case", metavar="CASE", help="a name of turingfold list, or a file with scenes()")
-    found.add_argument("--quick", action="store_true", help="the small version, kept apart")
-    if not chosen:
-        return found
-    found.add_argument("--only", action="append", metavar="SCENE", help="only this scene; may be repeated")
-    found.add_argument(
-        "--set", action="append", type=assignment, metavar="NAME=VALUE", dest="assigned",
-        help="value of a parameter of the case, such as thickness=3e-3; may be repeated",
-    )  # fmt: skip
-    return found
-
-
-def _run_arguments() -> argparse.ArgumentParser:
-    """Return the arguments that say how scenes are run, and what becomes of results that are there."""
-    found = argparse.ArgumentParser(add_help=False)
-    there = found.add_mutually_exclusive_group()
-    there.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped")
-    there.add_argument("--overwrite", action="store_true", help="replace results that are there")
-    found.add_argument("-j", "--jobs", type=at_least_one, default=1, metavar="N", help="scenes at a time")
-    found.add_argument(
-        "--no-errors", action="store_false", dest="errors", help="do not estimate how far the numbers are off"
-    )
-    return found
-
-
-def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
+def _add_runs(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that run scenes and store their results; they share arguments."""
-    run = commands.add_parser("run", parents=shared, help="run a case, draw its figure")
+    scenes = [arguments.of_a_case(), arguments.of_results(), arguments.of_earlier_results()]
+    kept = [arguments.of_keeping(), arguments.of_answers()]
+    every = [*scenes, arguments.of_jobs(), arguments.of_errors()]
+    run = commands.add_parser("run", parents=[*every, *kept, common], help="run a case, draw its figure")
     run.set_defaults(command="run")
 
-    _add_studies(commands, shared)
+    _add_sweep(commands, [*scenes, arguments.of_jobs(), *kept, common])
     accuracy = commands.add_parser(
-        "accuracy", parents=shared, help="error against run time",
+        "accuracy", parents=[*every, common], help="error against run time",
         description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
         "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
         "in DIR/<case>-accuracy.",
@@ -76,7 +49,7 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
     accuracy.set_defaults(command="accuracy")
 
     sensitivity = commands.add_parser(
-        "sensitivity", parents=shared, help="which parameters matter",
+        "sensitivity", parents=[*every, common], help="which parameters matter",
         description="Run a case; say by how many per cent measures of the end of each scene change with one "
         "per cent of each parameter, from the equilibrium's tangent. Table and figure are in "
         "DIR/<case>-sensitivity.",
@@ -91,7 +64,7 @@ def _add_runs(commands: Commands, shared: list[argparse.ArgumentParser]) -> None
     )  # fmt: skip
     sensitivity.add_argument("--figure", type=figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
-    _add_fit(commands, shared)
+    _add_fit(commands, [*scenes, arguments.of_errors(), common])
 
 
 def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
@@ -121,8 +94,8 @@ def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
     fit.set_defaults(command="fit")
 
 
-def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
-    """Add the commands that run a case many times, and show what comes of that."""
+def _add_sweep(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
+    """Add the command that runs a case many times."""
     sweep = commands.add_parser(
         "sweep", parents=shared, help="run a case with other parameters",
         description="Run a case with other values of its parameters: all combinations of the listed ones, "
@@ -152,7 +125,9 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     )  # fmt: skip
     sweep.set_defaults(command="sweep")
 
-    common = shared[-1]
+
+def _add_studies(commands: Commands, common: argparse.ArgumentParser) -> None:
+    """Add the commands that show what comes of a sweep."""
     collect = commands.add_parser(
         "collect", parents=[common], help="the table of a study from the records of its points"
     )
@@ -172,7 +147,7 @@ def _add_studies(commands: Commands, shared: list[argparse.ArgumentParser]) -> N
     plot.set_defaults(command="plot")
 
 
-def _add_cases(commands: Commands, stored: argparse.ArgumentParser, common: argparse.ArgumentParser) -> None:
+def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that show, name and copy cases."""
     app = commands.add_parser(
         "app", parents=[common], help="fold brains in the browser",
@@ -189,8 +164,8 @@ def _add_cases(commands: Commands, stored: argparse.ArgumentParser, common: argp
     )
     app.set_defaults(command="app")
 
-    whole = _case_arguments(chosen=False)
-    draw = commands.add_parser("draw", parents=[whole, stored, common], help="draw stored results")
+    shared = [arguments.of_a_case(chosen=False), arguments.of_results(), arguments.of_answers(steps=False)]
+    draw = commands.add_parser("draw", parents=[*shared, common], help="draw stored results")
     draw.set_defaults(command="draw")
 
     names = commands.add_parser("list", parents=[common], help="name cases, their scenes and parameters")
@@ -246,7 +221,7 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     stability.set_defaults(command="stability")
 
     buckling = commands.add_parser(
-        "buckling", parents=[_case_arguments(), common], help="critical growth and mode of a case"
+        "buckling", parents=[arguments.of_a_case(), common], help="critical growth and mode of a case"
     )
     what = buckling.add_mutually_exclusive_group()
     what.add_argument("--figure", type=figure, metavar="FILE", help="draw the modes")

@@ -17,11 +17,12 @@ from ..errors import SolveError
 from ..results.files import CorruptFileError, json_content, read_json, unsigned, write_whole
 from ..results.folder import prune
 from ..results.result import Result, Row
-from ..results.simulate import StoppedError, simulate
+from ..results.simulate import FRAMES, StoppedError, simulate
 from ..scene import Scene
 from ..studies.sweep import with_value
 from .case import Case, load_case
 from .outcome import Outcome
+from .request import Running
 
 RECORD = "point.json"
 KEEP = ("summary", "last", "all")
@@ -39,7 +40,7 @@ class Point:
     every: names of the scenes that the case has with these values.  given: values of the case's parameters.
     parts: values of parts of the scene.  varied: those that the study varies, of both kinds.
     keep: "summary", the record alone; "last", the last state; "all", the kept states and their frames.
-    refused: why there can be no such scene.
+    running: how it is run and kept.  refused: why there can be no such scene.
     """
 
     case: Path
@@ -53,7 +54,7 @@ class Point:
     folder: Path
     quick: bool = False
     keep: str = "last"
-    overwrite: bool = False
+    running: Running = Running()  # noqa: RUF009 - frozen
     refused: str = ""
 
     @property
@@ -123,6 +124,7 @@ class Maker:
         scene = every[point.scene]
         for parameter, value in point.parts.items():
             scene = with_value(scene, parameter, value)
+        scene = point.running.limited(scene)
         provenance = case.provenance(point.given, quick=point.quick)
         provenance |= {"scenes": list(every), "scene": point.scene}
         return scene, provenance | ({"parts": dict(point.parts)} if point.parts else {})
@@ -162,10 +164,16 @@ def _result(
 ) -> Result:
     if point.keep == "summary":
         return simulate(scene, progress=progress, errors=False)
+    running = point.running
     return simulate(
-        scene, point.folder, progress=progress, resume=not point.overwrite, overwrite=point.overwrite,
-        case=provenance, frames=20 if point.keep == "all" else 1, errors=False,
+        scene, point.folder, progress=progress, resume=not running.overwrite, overwrite=running.overwrite,
+        case=provenance, frames=frames_of(point.keep, running) or 1, vtu=running.vtu, errors=False,
     )  # fmt: skip
+
+
+def frames_of(keep: str, running: Running) -> int | None:
+    """Return how many evenly spaced states of a point are kept; None for the last one alone."""
+    return (running.frames or FRAMES) if keep == "all" else None
 
 
 def _record(point: Point, status: str, message: str, summary: Mapping[str, Any]) -> None:

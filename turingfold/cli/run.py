@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 import warnings
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +14,7 @@ from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
 from ..results.files import read_json
 from ..results.folder import check_folder
-from ..results.result import Result, Row, read_result
+from ..results.result import Result, read_result
 from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
 from ..results.units import length_unit, with_error
 from .case import Case, explained, find_case, folder_name
@@ -32,42 +30,89 @@ from .plan import (
     stored_names,
     without_result,
 )
-from .request import Request, Running
-from .status import Interrupted, complain, say
+from .progress import watching
+from .request import Request, Running, Telling
+from .status import Answer, Interrupted, complain, say
 from .table import write_case_table
-from .workers import Job, Report, run_jobs
+from .workers import Job, run_jobs
 
 LENGTH = {"perimeter": "pial length"}
 BENT = 0.02  # difference of the two gyrification indices from which both are told
 
 
-def run(request: Request, running: Running) -> int:
-    """Run the scenes of a case, say what became of them, draw the figure; return the exit status."""
+def run(request: Request, running: Running) -> Answer:
+    """Run the scenes of a case, say what became of them, draw the figure."""
     case = find_case(request.case)
     plan = planned(case, request)
     base = base_folder(case, request)
-    status = finished(list(outcomes(case, plan, request, running)), case, request)
+    every = plan[0].provenance["scenes"]
+    chosen = {one.name for one in plan}
+    if request.figure is not None:
+        _check_figure(case, without_result(base, [name for name in every if name not in chosen]))
+    ends = list(outcomes(case, plan, request, running))
+    status = finished(ends, case, request)
     begun = [one.name for one in plan if has_result(base, one.name)]
     results = {name: read_result(base / folder_name(name), known=case.known) for name in begun}
     if words := changed_words(plan[0].provenance):
         say(f"parameters: {words}")
     for line in told(case.name, results, base):
         say(line)
+    if running.telling is Telling.STEPS:
+        for name, result in results.items():
+            say(f"time, {name}: {_spent(result)}")
+    figure, table = _pictured(case, every, base, results, request, running)
+    return Answer(status, {
+        "case": case.name, "folder": str(base),
+        "scenes": {end.name: _facts(end, base / folder_name(end.name)) for end in ends},
+        "figures": [str(figure)] if figure else [], "table": str(table) if table else None,
+    })  # fmt: skip
+
+
+def _check_figure(case: Case, missing: Sequence[str]) -> None:
+    """Raise ValueError where --figure asks for what cannot be drawn."""
+    _drawing(case)
+    if missing:
+        raise ValueError(
+            f"--figure: a figure shows all scenes, and these have no result yet: {', '.join(missing)}; run "
+            "them too, or leave --figure out."
+        )
+
+
+def _pictured(
+    case: Case, every: Sequence[str], base: Path, results: Mapping[str, Result], request: Request,
+    running: Running,
+) -> tuple[Path | None, Path | None]:  # fmt: skip
+    """Draw the figure of a case and write its table, where it has them and all scenes have a result."""
     if case.draw is None and case.table is None:
-        return status
-    every = plan[0].provenance["scenes"]
+        return None, None
     if missing := without_result(base, every):
         say(f"figure: not drawn, these scenes have no result yet: {', '.join(missing)}")
-        return status
-    for name in set(every) - set(begun):
-        results[name] = read_result(base / folder_name(name), known=case.known)
+        return None, None
+    others = set(every) - set(results)
+    results = dict(results) | {
+        name: read_result(base / folder_name(name), known=case.known) for name in others
+    }
     results = {name: results[name] for name in every}
     compute(case, results, base, keep=running.resume)
+    figure = None
     if case.draw is not None:
-        say(f"figure: {drawn(case, results, request, apart=bool(request.assigned))}")
+        figure = drawn(case, results, request, apart=bool(request.assigned))
+        say(f"figure: {figure}")
     if table := write_case_table(case, results, base):
         say(f"table: {table}")
-    return status
+    return figure, table
+
+
+def _facts(end: Outcome, folder: Path) -> dict[str, Any]:
+    """Return how a scene ended and the numbers of its last state, as its folder has them."""
+    summary = read_json(folder / "summary.json") if (folder / "summary.json").is_file() else None
+    return {"status": end.status, "message": end.message, "folder": str(folder), "summary": summary}
+
+
+def _spent(result: Result) -> str:
+    """Return where the time of a run went, the longest first."""
+    parts = sorted(result.seconds_by_part.items(), key=lambda part: -part[1])
+    return ", ".join(f"{name} {seconds:.2f} s" for name, seconds in parts)
 
 
 def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Running) -> Iterator[Outcome]:
@@ -79,7 +124,8 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
     base = base_folder(case, request)
     jobs = deque(
-        Job(case.path, one.name, one.scene, base / folder_name(one.name), one.provenance) for one in plan
+        Job(case.path, one.name, running.limited(one.scene), base / folder_name(one.name), one.provenance)
+        for one in plan
     )
     for job in jobs:
         assert job.scene is not None
@@ -91,7 +137,7 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
     scenes = {job.name: job.scene for job in jobs if job.scene is not None}
     few = min((scene.body.elements_through_cortex for scene in scenes.values()), default=float("inf"))
     if words := coarseness(few, finer(case, request)):
-        print(f"turingfold: note: {words}", file=sys.stderr)
+        warnings.warn(words, stacklevel=2)
     ends = {name: scene.until for name, scene in scenes.items()}
     return _outcomes(jobs, ends, request, running)
 
@@ -107,12 +153,12 @@ def _outcomes(
     jobs: deque[Job], ends: Mapping[str, float], request: Request, running: Running
 ) -> Iterator[Outcome]:
     try:
-        with progress(ends) as report:
-            yield from run_jobs(jobs, running, report)
+        with watching(ends, running.telling) as watch:
+            for end in run_jobs(jobs, running, watch.row):
+                watch.ended(end.name)
+                yield end
     except KeyboardInterrupt as error:
-        how = ["--jobs", str(running.jobs)] if running.jobs > 1 else []
-        how += [] if running.errors else ["--no-errors"]
-        raise Interrupted(request.words(*how, "--resume")) from error
+        raise Interrupted(request.words(*running.words(), "--resume")) from error
 
 
 def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
@@ -128,8 +174,8 @@ def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
     return max((STATUSES[end.status] for end in ends), default=0)
 
 
-def draw(request: Request) -> Path:
-    """Draw a case's figure from its stored results and return where it is; raises ValueError without them."""
+def draw(request: Request) -> Answer:
+    """Draw a case's figure from its stored results and say where it is; raises ValueError without them."""
     request = _named(request)
     case = find_case(request.case)
     base = base_folder(case, request)
@@ -141,7 +187,9 @@ def draw(request: Request) -> Path:
         command = request.with_only(missing if some else ()).words()
         raise ValueError(f"{base} holds {which}; run the case first: {command}")
     results = {name: read_result(base / folder_name(name), known=case.known) for name in names}
-    return drawn(case, results, request, apart=changed)
+    figure = drawn(case, results, request, apart=changed)
+    say(f"figure: {figure}")
+    return Answer(0, {"case": case.name, "folder": str(base), "figures": [str(figure)]})
 
 
 def _named(request: Request) -> Request:
@@ -161,39 +209,22 @@ def drawn(case: Case, results: dict[str, Result], request: Request, *, apart: bo
 
     apart: with the results, as they are not those of the case as it is.
     """
-    if case.draw is None:
-        raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
+    draw = _drawing(case)
     apart = bool(apart or request.quick or request.out is not None)
     base = base_folder(case, request)
     more = () if case.computed is None else (read_computed(case, base),)
-    path = figure_path(case.path, base, apart=apart)
+    path = request.figure or figure_path(case.path, base, apart=apart)
     with explained(case.path), save_figure(path) as figure:
-        case.draw(results, figure, *more)
+        draw(results, figure, *more)
         mark_unfinished(figure, results)
     return path
 
 
-@contextmanager
-def progress(ends: Mapping[str, float]) -> Iterator[Report]:
-    """Show a bar per scene, up to the time when it ends, on the terminal; silent where there is none."""
-    if not sys.stderr.isatty():
-        yield lambda name, row, iterations: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
-        TextColumn("growth {task.fields[growth]:.3f}, {task.fields[iterations]} iterations,"),
-        TimeRemainingColumn(), TextColumn("left"),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True)) as bars:
-        tasks = {name: bars.add_task(name, total=end, growth=1.0, iterations=0) for name, end in ends.items()}
-
-        def report(name: str, row: Row, iterations: int) -> None:
-            bars.update(tasks[name], completed=row["time"], growth=row["growth"], iterations=iterations)
-
-        yield report
+def _drawing(case: Case) -> Callable[..., object]:
+    """Return the function of a case that draws; raises ValueError for one without."""
+    if case.draw is None:
+        raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
+    return case.draw
 
 
 def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:

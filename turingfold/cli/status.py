@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping
+from typing import Any, NamedTuple, TextIO
 
 BAD_INPUT = 2
 STOPPED = 3  # a solve
@@ -11,6 +13,13 @@ IO_FAILED = 4
 INTERRUPTED = 130
 
 WIDTH = 100
+
+
+class Answer(NamedTuple):
+    """What a command has done: its exit status, and facts for programs."""
+
+    status: int
+    facts: Mapping[str, Any]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -29,6 +38,14 @@ def say(text: str) -> None:
         silence = os.open(os.devnull, os.O_WRONLY)
         os.dup2(silence, sys.stdout.fileno())
         os.close(silence)
+
+
+def note(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, file: TextIO | None = None,
+    line: str | None = None,
+) -> None:  # fmt: skip
+    """Print a warning on standard error, as `warnings.showwarning` does."""
+    print(f"turingfold: note: {message}", file=sys.stderr)
 
 
 def progress(text: str) -> None:

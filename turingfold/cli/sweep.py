@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import shutil
-import sys
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,21 +13,22 @@ from typing import Any
 
 from ..figures.grids import grid
 from ..figures.style import sulci
-from ..results.files import writing
+from ..results.files import as_plain, writing
 from ..results.folder import expected_size
 from ..results.lock import FolderLock
-from ..results.result import Result, Row, read_result
+from ..results.result import Result, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
 from .case import Case, find_case, folder_name
-from .cluster import run_on_cluster
+from .cluster import LOCAL, run_on_cluster
 from .design import Design, points
 from .figure import save_figure
 from .outcome import STATUSES, Outcome
 from .plan import base_folder, has_result
-from .point import RECORD, Maker, Point, is_taken
-from .request import Request, Running
+from .point import RECORD, Maker, Point, frames_of, is_taken
+from .progress import watching
+from .request import Request, Running, Telling
 from .run import finished
-from .status import Interrupted, complain, say
+from .status import Answer, Interrupted, complain, say
 from .study import STUDY, TABLE, Rows, described, ended, read_study, write_study
 from .study import collect as collected
 from .workers import run_jobs
@@ -60,7 +60,7 @@ class Asked:
         return found + (["--dask", self.dask] if self.dask else [])
 
 
-def sweep(request: Request, design: Design, running: Running, asked: Asked) -> int:
+def sweep(request: Request, design: Design, running: Running, asked: Asked) -> Answer:
     """Run the points of a study, write their numbers in one table, draw them side by side.
 
     The table grows as points end; points that stop, or that the case refuses, have a row that says why. It is
@@ -69,11 +69,12 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> i
     case = find_case(request.case)
     base = base_folder(case, request)
     every, maker = points(case, request, design, base, asked.keep)
-    plan = [replace(one, overwrite=running.overwrite) for one in _part(every, asked.task)]
+    plan = [replace(one, running=running) for one in _part(every, asked.task)]
+    _check(request, running, asked, plan)
     again = running.resume or (asked.task is not None and not running.overwrite)
     ends = _ended(plan, running, again=again)
     left = deque(one for one in plan if one.name not in ends)
-    first = few = _announce(plan, left, maker, base, asked)
+    first = few = _announce(plan, left, maker, base, asked.keep)
     with writing(base):
         base.mkdir(parents=True, exist_ok=True)
     with nullcontext() if asked.task else _locked(base):
@@ -88,6 +89,27 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> i
     if few < first - 0.01 and (words := coarseness(few)):
         say(f"note: {words}")
     return _finish(case, request, plan, ends, asked)
+
+
+def _check(request: Request, running: Running, asked: Asked, plan: Sequence[Point]) -> None:
+    """Raise ValueError for an option that this study could not heed."""
+    undrawn = {
+        "--task runs a part of the study": asked.task is not None,
+        "--keep summary keeps no states": asked.keep == "summary",
+        f"{len(plan)} points are too many side by side": len(plan) > PICTURED,
+    }
+    unheeded = {
+        f"--figure: nothing is drawn, as {why}": holds and request.figure is not None
+        for why, holds in undrawn.items()
+    } | {
+        "--frames: only --keep all keeps the states of points": running.frames and asked.keep != "all",
+        "--no-vtu: --keep summary writes no states": not running.vtu and asked.keep == "summary",
+        "--jobs: the cluster has workers of its own": running.jobs > 1 and asked.dask not in ("", LOCAL),
+        "--verbose: a cluster does not tell of steps": asked.dask and running.telling is Telling.STEPS,
+    }
+    for words, holds in unheeded.items():
+        if holds:
+            raise ValueError(f"{words}; leave the option out.")
 
 
 def _part(plan: Sequence[Point], task: tuple[int, int] | None) -> Sequence[Point]:
@@ -117,7 +139,7 @@ def _ended(plan: Sequence[Point], running: Running, *, again: bool) -> dict[str,
     return found
 
 
-def _announce(plan: Sequence[Point], left: Sequence[Point], maker: Maker, base: Path, asked: Asked) -> float:
+def _announce(plan: Sequence[Point], left: Sequence[Point], maker: Maker, base: Path, keep: str) -> float:
     """Say how many points there are and what disk they need; return the elements through the cortex.
 
     Raises ValueError where the disk has no room for them.
@@ -125,15 +147,16 @@ def _announce(plan: Sequence[Point], left: Sequence[Point], maker: Maker, base: 
     first = next((scene for scene in maker.latest.values()), None)
     few = float("inf") if first is None else first.body.elements_through_cortex
     if words := coarseness(few):
-        print(f"turingfold: note: {words}", file=sys.stderr)
+        warnings.warn(words, stacklevel=2)
     done = f", {len(plan) - len(left)} of them done" if len(left) < len(plan) else ""
     size = RECORD_SIZE
-    if first is not None and asked.keep != "summary":
-        size += expected_size(first, last=asked.keep == "last")
+    if first is not None and keep != "summary":
+        running = plan[0].running
+        size += expected_size(first, frames=frames_of(keep, running), vtu=running.vtu)
     place = next(folder for folder in (base, *base.parents) if folder.is_dir())
     free, needed = shutil.disk_usage(place).free, size * len(left)
     words = f"about {needed / MB:.3g} MB of disk, {size / MB:.2g} MB each"
-    say(f"{len(plan)} points{done}; --keep {asked.keep} needs {words} ({free / MB:.3g} MB are free)")
+    say(f"{len(plan)} points{done}; --keep {keep} needs {words} ({free / MB:.3g} MB are free)")
     if needed > free:
         raise ValueError(
             f"the study needs {words}, and {free / MB:.3g} MB are free; choose --keep summary, or "
@@ -168,43 +191,19 @@ def _run(
     left: deque[Point], request: Request, running: Running, asked: Asked, maker: Maker
 ) -> Iterator[Outcome]:
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all points
+    untils = {name: scene.until for name, scene in maker.latest.items()}  # about the same for all points
+    ends_at = {one.name: untils.get(one.scene, 1.0) for one in left}
     try:
-        with _progress(len(left)) as (report, count):
+        with watching(ends_at, running.telling, "points") as watch:
             if asked.dask:
                 ends = run_on_cluster(left, asked.dask, running.jobs)
             else:
-                ends = run_jobs(left, running, report, maker)
+                ends = run_jobs(left, running, watch.row, maker)
             for end in ends:
                 yield end
-                count()
+                watch.ended(end.name)
     except KeyboardInterrupt as error:
-        at_a_time = ("--jobs", str(running.jobs)) if running.jobs > 1 else ()
-        raise Interrupted(request.words(*at_a_time, "--resume")) from error
-
-
-Report = Callable[[str, Row, int], None]
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[tuple[Report, Callable[[], None]]]:
-    """Show one bar for all points on the terminal; silent where there is none."""
-    if not sys.stderr.isatty():
-        yield (lambda name, row, iterations: None), (lambda: None)
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (
-        TextColumn("points"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("left,"),
-        TextColumn("{task.description}"),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("", total=total)
-
-        def report(name: str, row: Row, iterations: int) -> None:
-            bar.update(task, description=f"{name} at growth {row['growth']:.2f}")
-
-        yield report, lambda: bar.advance(task)
+        raise Interrupted(request.words(*running.words(), "--resume")) from error
 
 
 def _line(end: Outcome) -> str:
@@ -216,27 +215,47 @@ def _line(end: Outcome) -> str:
 
 def _finish(
     case: Case, request: Request, plan: Sequence[Point], ends: Mapping[str, Outcome], asked: Asked
-) -> int:
-    """Say what came of the study and draw the points side by side; return the exit status."""
+) -> Answer:
+    """Say what came of the study and draw the points side by side."""
     base = base_folder(case, request)
     said = [end for end in ends.values() if end.message]
     finished(said[:COMPLAINTS], case, request)
     if len(said) > COMPLAINTS:
         complain(f"{len(said) - COMPLAINTS} more points have a message; the table has them all.")
     status = max(STATUSES[end.status] for end in ends.values())
-    _tell(ends.values(), base / _table(asked.task))
+    table = base / _table(asked.task)
+    _tell(ends.values(), table)
+    figures: list[Path] = []
     if asked.task:
         say(f"when all tasks have ended: turingfold collect {base}")
-        return status
+    else:
+        figures = _pictured(case, plan, base, request.figure or base / f"{case.name}-sweep.png")
+    varied = {one.name: one.varied for one in plan}
+    return Answer(status, {
+        "case": case.name, "folder": str(base), "table": str(table), "figures": [str(one) for one in figures],
+        "points": [
+            {
+                "name": name, "varied": dict(own), "status": ends[name].status, "message": ends[name].message,
+                "summary": as_plain(dict(ends[name].summary)) or None,
+            }
+            for name, own in varied.items()
+        ],
+    })  # fmt: skip
+
+
+def _pictured(case: Case, plan: Sequence[Point], base: Path, file: Path) -> list[Path]:
+    """Draw the points side by side, on several pages if need be, and return the files."""
     shown = [one.name for one in plan if has_result(base, one.name)]
     if len(shown) > PICTURED:
         say(f"figure: not drawn, {len(shown)} points are too many side by side; see turingfold plot {base}")
-        return status
-    for path, page in _pages(shown, base / f"{case.name}-sweep.png"):
+        return []
+    found = []
+    for path, page in _pages(shown, file):
         with save_figure(path) as figure:
             draw(figure, Stored(base, page, case))
         say(f"figure: {path}")
-    return status
+        found.append(path)
+    return found
 
 
 def _tell(ends: Iterable[Outcome], table: Path) -> None:

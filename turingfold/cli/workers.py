@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import signal
+import sys
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
@@ -22,12 +23,13 @@ from typing import Any
 from ..errors import SolveError
 from ..results.document import rebuilt, stored
 from ..results.result import Row
-from ..results.simulate import CoarseMeshWarning, simulate
+from ..results.simulate import FRAMES, CoarseMeshWarning, simulate
 from ..scene import Scene
 from .case import load_case
 from .outcome import Outcome
 from .point import Maker, Point, run_point
-from .request import Running
+from .request import Running, Telling
+from .status import note
 
 Report = Callable[[str, Row, int], None]  # scene, newest row, Newton iterations so far
 
@@ -68,7 +70,8 @@ def _run(job: Job, scene: Scene, running: Running, progress: Callable[[Row], obj
     try:
         result = simulate(
             scene, job.folder, progress=progress, resume=running.resume, overwrite=running.overwrite,
-            case=job.provenance, errors=running.errors,
+            case=job.provenance, errors=running.errors, vtu=running.vtu,
+            frames=FRAMES if running.frames is None else running.frames,
         )  # fmt: skip
     except SolveError as error:
         return Outcome(job.name, "stopped", str(error))
@@ -130,9 +133,9 @@ def _together(jobs: deque[Job] | deque[Point], running: Running, report: Report)
 
 def _sent(job: Job | Point, running: Running) -> tuple[Any, ...]:
     if isinstance(job, Point):
-        return (job,)
+        return job, running
     assert job.scene is not None
-    return replace(job, scene=None), *stored(job.scene), running
+    return replace(job, scene=None), running, *stored(job.scene)
 
 
 def _started() -> _Worker:
@@ -159,7 +162,8 @@ def _death(process: Any) -> str:
 def _serve(link: Connection) -> None:
     """Run the scenes that are sent until the other end of the link is closed."""
     logging.getLogger("skfem").setLevel(logging.ERROR)
-    warnings.simplefilter("ignore", CoarseMeshWarning)
+    warnings.showwarning = note
+    sys.stdout = sys.stderr  # what a case prints is no answer of the command's
 
     def progress(row: Row) -> None:
         try:
@@ -170,13 +174,16 @@ def _serve(link: Connection) -> None:
     maker = Maker()
     with suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
-            job, *rest = link.recv()
+            job, running, *rest = link.recv()
+            quiet = running.telling is Telling.NOTHING
+            warnings.simplefilter("ignore" if quiet else "default", UserWarning)
+            warnings.simplefilter("ignore", CoarseMeshWarning)
             try:
                 answer: Any
                 if isinstance(job, Point):
                     answer = run_point(job, maker, progress)
                 else:
-                    document, arrays, running = rest
+                    document, arrays = rest
                     scene = rebuilt(document, arrays, load_case(job.case).known)
                     answer = _run(job, scene, running, progress)
             except OSError as error:  # results cannot be written: nor can those of the other scenes

@@ -102,7 +102,7 @@ def json_content(value: Mapping[str, Any], *, signed: bool) -> bytes:
 
     signed: whether its checksum is added.
     """
-    plain = _plain(dict(value))
+    plain = as_plain(dict(value))
     if signed:
         plain[CHECKSUM] = _signature(plain)
     return f"{json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False)}\n".encode()
@@ -177,11 +177,12 @@ def digest(arrays: Mapping[str, NDArray[Any]]) -> str:
     return total.hexdigest()
 
 
-def _plain(value: Any) -> Any:
+def as_plain(value: Any) -> Any:
+    """Return numbers, texts, lists and tables as JSON has them; numbers that are not finite become None."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: as_plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [as_plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not np.isfinite(value) else value

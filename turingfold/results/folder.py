@@ -44,7 +44,8 @@ from .reading import state_of
 KEPT_CHECKPOINTS = 2
 SUBFOLDERS = ("states", "frames")
 LEFT = (".*.part", "states/.*.part", "frames/.*.part")  # by a process that was killed while it wrote
-BYTES_LAST, BYTES_ALL = 460, 9400  # for each triangle: one state and its frame, or 21 and two checkpoints
+# bytes for each triangle: of a state, of its frame, of two checkpoints, of what is there once
+STATE_SIZE, FRAME_SIZE, CHECKPOINTS_SIZE, ONCE = 265, 131, 950, 65
 MADE = ("history.csv", "summary.json", "frames.pvd", "checkpoint-*.npz", "states/*.npz", "frames/*.vtu")
 
 
@@ -57,10 +58,10 @@ class ResultFolder:
 
     def __init__(
         self, path: Path, scene: Scene, *, resume: bool = False, overwrite: bool = False,
-        case: Mapping[str, Any] | None = None,
+        case: Mapping[str, Any] | None = None, vtu: bool = True,
     ) -> None:  # fmt: skip
-        """Claim the folder for a scene; case: see `document.stored`."""
-        self.path, self.scene = path, scene
+        """Claim the folder for a scene; case: see `document.stored`; vtu: whether states get frames."""
+        self.path, self.scene, self._vtu = path, scene, vtu
         document, arrays = stored(scene, case)
         check_folder(path, document, resume=resume, overwrite=overwrite)
         with writing(path):
@@ -97,7 +98,7 @@ class ResultFolder:
             self._write("body.npz", arrays_content(arrays))
         if not again:
             self._write("scene.json", json_content(document | origin(), signed=True))
-        for name in SUBFOLDERS:
+        for name in SUBFOLDERS if self._vtu else SUBFOLDERS[:1]:
             with writing(self.path / name):
                 (self.path / name).mkdir(exist_ok=True)
 
@@ -184,9 +185,9 @@ class ResultFolder:
         self._times = {step: state.time for step, state in states.items() if step in shown}
         return states
 
-    def shows(self, step: int) -> bool:
-        """Return whether a step has a frame."""
-        return step in self._times
+    def lacks_frame(self, step: int) -> bool:
+        """Return whether a step should have a frame and has none."""
+        return self._vtu and step not in self._times
 
     def history(self) -> list[Row]:
         """Return the rows up to the checkpoint."""
@@ -200,14 +201,15 @@ class ResultFolder:
         self._history.add(row)
 
     def add_state(self, step: int, state: State, observed: Mapping[str, NDArray[np.float64]]) -> None:
-        """Keep a state, exactly and as a frame for ParaView."""
-        from .vtu import frame
-
+        """Keep a state, exactly and, where frames are wanted, as one for ParaView."""
         name = f"{step:06d}"
         kept = {"time": np.array(state.time), **state.fields}
         self._write(f"states/{name}.npz", arrays_content(kept))
-        self._write(f"frames/{name}.vtu", frame(self.scene.body, state, observed))
-        self._times[step] = state.time
+        if self._vtu:
+            from .vtu import frame
+
+            self._write(f"frames/{name}.vtu", frame(self.scene.body, state, observed))
+            self._times[step] = state.time
         self._write_index()
 
     def remove_state(self, step: int) -> None:
@@ -224,6 +226,8 @@ class ResultFolder:
             self._history.rewrite()
 
     def _write_index(self) -> None:
+        if not (self._vtu or (self.path / "frames.pvd").exists()):
+            return
         from .vtu import index
 
         frames = ((time, f"frames/{step:06d}.vtu") for step, time in self._times.items())
@@ -265,12 +269,14 @@ def prune(path: Path, *, last: bool) -> None:
         write_whole(listed, index(entries(listed.read_bytes())[-1:]))
 
 
-def expected_size(scene: Scene, *, last: bool) -> float:
-    """Return about how many bytes the folder of a scene's result has, with all kept states or the last one.
+def expected_size(scene: Scene, *, frames: int | None, vtu: bool) -> float:
+    """Return about how many bytes the folder of a scene's result has, with so many frames or (None) pruned.
 
     By what is stored for a triangle, measured on cases of 768 to 2756 triangles: within 7 per cent.
     """
-    return float(scene.body.mesh.nelements) * (BYTES_LAST if last else BYTES_ALL)
+    states = 1 if frames is None else frames + 1
+    own = ONCE + states * (STATE_SIZE + (FRAME_SIZE if vtu else 0))
+    return float(scene.body.mesh.nelements) * (own if frames is None else own + CHECKPOINTS_SIZE)
 
 
 def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overwrite: bool) -> None:

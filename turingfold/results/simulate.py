@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .folder import ResultFolder
 
 GO_ON = "The last accepted state is kept; go on with resume=True (--resume)."
+FRAMES = 20  # states kept on disk
 CHECKPOINT = 1.0  # s between checkpoints
 FAULTS = (  # of states that are none of a body: column of the history, what it counts, and what to try
     ("inverted_elements", "triangles that are turned over somewhere", "smaller elements or less growth"),
@@ -56,7 +57,8 @@ def simulate(
     trackers: Sequence[Tracker] = (),
     resume: bool = False,
     overwrite: bool = False,
-    frames: int = 20,
+    frames: int = FRAMES,
+    vtu: bool = True,
     case: Mapping[str, Any] | None = None,
     errors: bool | None = None,
 ) -> Result:
@@ -68,6 +70,7 @@ def simulate(
     resume: go on from the last checkpoint in `out`, with the same bits as a run without interruption.
     overwrite: replace a result that `out` holds; not with `resume`.
     frames: states kept on disk, evenly spaced in time, beside those at the stops of its stepping.
+    vtu: whether these are also written as frames for ParaView.
     errors: whether to estimate how far the last state's numbers are off; by default where `out` keeps them.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
@@ -92,7 +95,7 @@ def simulate(
         return _Run(scene, frames, watch, trackers, errors=bool(errors)).to_the_end()
     from .folder import ResultFolder
 
-    with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite, case=case) as folder:
+    with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite, case=case, vtu=vtu) as folder:
         return _Run(scene, frames, watch, trackers, folder, errors=errors is not False).to_the_end()
 
 
@@ -171,7 +174,7 @@ class _Run:
         assert self.folder is not None
         kept = self.folder.kept(before=step)
         for number, own in kept.items():
-            if not self.folder.shows(number):
+            if self.folder.lacks_frame(number):
                 self._keep(number, own)
         before = self.history[-2]["time"] if step > 1 else 0.0
         if step == 0 or _due(before, state.time, self.scene, self.frames):

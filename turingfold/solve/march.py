@@ -299,6 +299,7 @@ def _out_of_time(state: State, scene: Scene) -> NotConvergedError:
     return NotConvergedError(
         f"The march stopped at t = {state.time:.6g} of {scene.until:g}: the time limit of "
         f"{scene.stepping.seconds:g} s is reached. The last good state is kept. Try another "
-        "Stepping(seconds=...); a run with results in a folder goes on with it by resume=True.",
+        "Stepping(seconds=...) (--max-seconds); a run with results in a folder goes on with it by "
+        "resume=True (--resume).",
         time=state.time,
     )
