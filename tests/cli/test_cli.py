@@ -107,6 +107,7 @@ def test_run_writes_results_figure_and_seven_lines(written, tmp_path, capsys):
     assert lines[0].startswith("tiny, grows: reached the end at growth 1.20")
     assert lines[1] == "folds: 0 sulci; gyrification index 1.00"
     assert lines[2].startswith("errors of the mesh, estimated: pial length ")
+    assert lines[2].endswith("; of the steps: none")  # an equilibrium
     assert lines[4] == "pattern: no pattern"
     assert lines[5].startswith("grown: area 1.")
     assert (tmp_path / "results/tiny/tiny.png").read_bytes().startswith(b"\x89PNG")

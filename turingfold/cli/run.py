@@ -238,7 +238,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         for name, s in summaries.items():
             yield (
                 f"{name:<{width}}  growth {s['growth']:.2f}  {sulci(s['folds']):>9}  gyrification "
-                f"{_index(s)}  {_gyri(s['registration'])}  {s['steps']} steps, "
+                f"{_index(s, results[name])}  {_gyri(s['registration'])}  {s['steps']} steps, "
                 f"{s['seconds']:.0f} s{'' if s['converged'] else '  ' + s['status'].upper()}"
                 f"{'  ' + words if (words := _stability(s)) else ''}"
             )
@@ -252,16 +252,16 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     )
     unit, word = length_unit(results[name].scene.body)
     thickness = " (T: cortical thickness)" if word == "T" else ""
-    depth = with_error(s["sulcal_depth"] / unit, s["errors"].get("sulcal_depth", 0.0) / unit)
+    depth = with_error(s["sulcal_depth"] / unit, (results[name].error("sulcal_depth") or 0.0) / unit)
     deep = f", {depth} {word} deep on average{thickness}" if s["folds"] else ""
     hull, closed = s["gyrification_index"], s["closed_gyrification_index"]
-    index = f"gyrification index {_index(s)}"
+    index = f"gyrification index {_index(s, results[name])}"
     if closed is not None and abs(hull - closed) > BENT:
         disc = f"the closing by a disc of radius {s['closing_radius'] / unit:.2g} {word}"
         index += f" against the convex hull, {closed:.2f} against {disc}"
     yield f"folds: {sulci(s['folds'])}{deep}; {index}"
-    if words := _errors(s):
-        yield f"errors of the mesh, estimated: {words}"
+    if mesh := _errors(s, "errors"):
+        yield f"errors of the mesh, estimated: {mesh}; of the steps: {_errors(s, 'step_errors')}"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
@@ -279,16 +279,18 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     yield f"results: {base / folder_name(name)}"
 
 
-def _errors(s: Mapping[str, Any]) -> str:
-    """Return the estimated errors in per cent, or why there are none; nothing where they were not wanted."""
-    shares = {name: abs(off / s[name]) for name, off in s["errors"].items() if off and s[name]}
+def _errors(s: Mapping[str, Any], errors: str) -> str:
+    """Return estimated errors in per cent, or why there are none; nothing where they were not wanted."""
+    if not s[errors]:
+        return str(s[f"no_{errors}"])
+    shares = {name: abs(off / s[name]) for name, off in s[errors].items() if off and s[name]}
     names = {name: LENGTH.get(name, name.replace("_", " ")) for name in shares}
     words = [f"{names[name]} {100 * share:.2g} %" for name, share in shares.items()]
-    return ", ".join(words) or str(s["no_errors"])
+    return ", ".join(words) or "none"
 
 
-def _index(s: Mapping[str, Any]) -> str:
-    return with_error(s["gyrification_index"], s["errors"].get("gyrification_index"))
+def _index(s: Mapping[str, Any], result: Result) -> str:
+    return with_error(s["gyrification_index"], result.error("gyrification_index"))
 
 
 def _stability(s: Mapping[str, Any]) -> str:

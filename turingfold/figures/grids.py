@@ -77,7 +77,7 @@ def numbers(result: Result, step: int = -1) -> str:
     folds = find_folds(pial, thickness=T, closed=closed)
     index = gyrification_index(pial, closed=closed)
     depth = f", depth {folds.depth / T:.1f} T" if folds.count else ""
-    off = result.errors.get("gyrification_index") if result.states[step] is result.last else None
+    off = result.error("gyrification_index") if result.states[step] is result.last else None
     return f"{sulci(folds.count)}, GI {with_error(index, off)}{depth}"
 
 

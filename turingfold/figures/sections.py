@@ -256,7 +256,7 @@ def measures(result: Result) -> str:
     s = result.summary()
     age = result.label()
     words = [*([age] if age else []), f"growth {s['growth']:.2f}", sulci(s["folds"])]
-    index = with_error(s["gyrification_index"], result.errors.get("gyrification_index"))
+    index = with_error(s["gyrification_index"], result.error("gyrification_index"))
     words.append(f"gyrification index {index}")
     if s["registration"] is not None:
         words.append(f"registration {s['registration']:+.2f}")

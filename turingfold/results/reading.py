@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import NoneType
 
 from ..state import State
 from .checkpoint import from_arrays
@@ -14,10 +15,14 @@ from .files import CorruptFileError, read_arrays, read_json
 from .lock import writer
 
 # what results of earlier versions do not say
-LATER: Mapping[str, object] = {"errors": {}, "no_errors": "Its program did not estimate errors."}
+NOT_YET = "Its program did not estimate errors."
+LATER: Mapping[str, object] = {
+    "errors": {}, "no_errors": NOT_YET, "step_errors": None, "no_step_errors": NOT_YET,
+}  # fmt: skip
 KINDS: dict[str, type | tuple[type, ...]] = {
     "status": str, "message": str, "seconds": (int, float), "seconds_by_part": dict, "time": (int, float),
-    "steps": int, "errors": dict, "no_errors": str,
+    "steps": int, "errors": dict, "no_errors": str, "step_errors": (dict, NoneType),
+    "no_step_errors": str,
 }  # fmt: skip
 
 
@@ -36,6 +41,8 @@ class Ending:
     steps: int | None = None
     errors: Mapping[str, float] = field(default_factory=dict)
     no_errors: str = ""
+    step_errors: Mapping[str, float] | None = None
+    no_step_errors: str = ""
 
 
 def read_ending(path: Path) -> Ending:

@@ -54,8 +54,9 @@ class Result:
     of its boundary, in the history.
     message: what to know about it.
     seconds, seconds_by_part: time spent.
-    errors: how far numbers of the last state are off, by their names in the summary; see `estimate`. Empty
-    where they were not asked for, or there are none: no_errors then says why.
+    errors: how far the mesh leaves numbers of the last state off, by their names in the summary; see
+    `estimate`.  step_errors: how far the steps do, see `step_error`; 0 for an equilibrium, which depends on
+    none. Empty where they were not asked for, or there are none: no_errors and no_step_errors then say why.
     Raises ValueError for another status.
     """
 
@@ -68,6 +69,8 @@ class Result:
     seconds_by_part: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
     no_errors: str = ""
+    step_errors: Mapping[str, float] = field(default_factory=dict)
+    no_step_errors: str = ""
 
     def __post_init__(self) -> None:
         one_of("status", self.status, STATUSES)
@@ -132,6 +135,10 @@ class Result:
         if self.converged:
             return ""
         return f"{self.status} at t = {self.last.time:.6g} of {self.scene.until:.6g}"
+
+    def error(self, name: str) -> float | None:
+        """Return how far mesh and steps leave a number of the last state off; None where nothing tells it."""
+        return self.errors[name] + self.step_errors.get(name, 0.0) if name in self.errors else None
 
     @property
     def last(self) -> State:
@@ -255,7 +262,8 @@ class Result:
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.
-        perimeter: length of the pial surface, m.  errors, no_errors: as in `Result`.
+        perimeter: length of the pial surface, m.  errors, no_errors, step_errors (None where there are none),
+        no_step_errors: as in `Result`.
         seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
@@ -284,6 +292,8 @@ class Result:
             **self._shape,
             "errors": dict(self.errors),
             "no_errors": self.no_errors,
+            "step_errors": dict(self.step_errors) or None,
+            "no_step_errors": self.no_step_errors,
             "converged": self.converged,
         }
 
@@ -326,7 +336,7 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     seconds = sum(row["seconds"] for row in history) if ending.seconds is None else ending.seconds
     return Result(
         scene, tuple(states), tuple(history), ending.status, ending.message, seconds, ending.seconds_by_part,
-        ending.errors, ending.no_errors,
+        ending.errors, ending.no_errors, ending.step_errors or {}, ending.no_step_errors,
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from time import perf_counter
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 GO_ON = "The last accepted state is kept; go on with resume=True (--resume)."
 FRAMES = 20  # states kept on disk
+CUT = "The estimate was interrupted."
 CHECKPOINT = 1.0  # s between checkpoints
 FAULTS = (  # of states that are none of a body: column of the history, what it counts, and what to try
     ("inverted_elements", "triangles that are turned over somewhere", "smaller elements or less growth"),
@@ -71,7 +72,8 @@ def simulate(
     overwrite: replace a result that `out` holds; not with `resume`.
     frames: states kept on disk, evenly spaced in time, beside those at the stops of its stepping.
     vtu: whether these are also written as frames for ParaView.
-    errors: whether to estimate how far the last state's numbers are off; by default where `out` keeps them.
+    errors: whether to estimate how far the last state's numbers are off, by the mesh and by the steps; by
+    default where `out` keeps them. Of scenes that move or remember that takes half as long as the march.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
@@ -226,28 +228,45 @@ class _Run:
             status, message = _validity(self.history)
         elif self.folder is not None and self.position is not None:
             self._keep(len(self.history), self.states[-1])
-        errors, without = self._errors() if status != "interrupted" else ({}, "")
         states, history = tuple(self.states), tuple(self.history)
-        result = Result(
-            self.scene, states, history, status, message, self._seconds(), self._parts(), errors, without
-        )
+        result = Result(self.scene, states, history, status, message, self._seconds(), self._parts())
+        if self.errors and history and status != "interrupted":
+            result = self._with_errors(result)
         if self.folder is not None:
             self.folder.summarise(result.summary())
         return result
 
-    def _errors(self) -> tuple[dict[str, float], str]:
-        """Return how far the last state's numbers are off, or why that is not known."""
-        if not self.errors or not self.history:
-            return {}, ""
-        from .estimate import NoEstimateError, estimated
+    def _with_errors(self, result: Result) -> Result:
+        """Return a result with how far its last numbers are off by the mesh and by the steps."""
+        from .estimate import estimated
+        from .step_error import step_errors
+
+        if self.folder is not None:  # it is not lost if this is interrupted
+            self.folder.summarise(replace(result, no_errors=CUT, no_step_errors=CUT).summary())
+        last, times = self.history[-1], [row["time"] for row in self.history]
+        mesh = self._tried("error estimate", lambda: estimated(self.problem, result.last))
+        steps: tuple[dict[str, float], str] = {}, "The march stopped."
+        if result.status != "stopped":
+            steps = self._tried(
+                "error estimate of steps",
+                lambda: step_errors(self.scene, times, result.last, last["energy"]),
+            )
+        return replace(
+            result, seconds=self._seconds(), seconds_by_part=self._parts(), errors=mesh[0], no_errors=mesh[1],
+            step_errors=steps[0], no_step_errors=steps[1],
+        )  # fmt: skip
+
+    def _tried(self, part: str, estimate: Callable[[], dict[str, float]]) -> tuple[dict[str, float], str]:
+        """Return what an estimate of errors gives, or why it gives nothing; part: what its time counts as."""
+        from .estimate import NoEstimateError
 
         began = perf_counter()
         try:
-            return estimated(self.problem, self.states[-1]), ""
+            return estimate(), ""
         except (NoEstimateError, SolveError, ValueError, MemoryError) as error:  # the run stays what it is
             return {}, str(error)
         finally:
-            self.parts["error estimate"] = self.parts.get("error estimate", 0.0) + perf_counter() - began
+            self.parts[part] = self.parts.get(part, 0.0) + perf_counter() - began
 
     def _keep(self, step: int, state: State) -> None:
         """Keep the state of a step that was not just taken, on disk."""
