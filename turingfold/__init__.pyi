@@ -92,6 +92,8 @@ from .results.simulate import StoppedError as StoppedError
 from .results.simulate import simulate as simulate
 from .results.watch import Tracker as Tracker
 from .scene import Scene as Scene
+from .sensitivity.adjoint import AdjointSensitivity as AdjointSensitivity
+from .sensitivity.adjoint import adjoint_sensitivity as adjoint_sensitivity
 from .sensitivity.fit import Fit as Fit
 from .sensitivity.fit import fit as fit
 from .sensitivity.forward import Sensitivity as Sensitivity

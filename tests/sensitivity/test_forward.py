@@ -20,7 +20,8 @@ from turingfold import (
 )
 from turingfold.geometry.body import by_node
 from turingfold.parts import TimeStep
-from turingfold.sensitivity.forward import Tangent, perimeter
+from turingfold.sensitivity.measures import perimeter
+from turingfold.sensitivity.tangent import Tangent
 from turingfold.solve.inertia import symmetric
 from turingfold.solve.newton import Minimiser
 from turingfold.solve.problem import Problem, configuration

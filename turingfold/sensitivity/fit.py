@@ -31,9 +31,9 @@ from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
 from ..studies.sweep import with_value
-from .forward import Tangent
 from .parameters import change, check_path, number_of
 from .smoothing import SPLINE, second_differences, smoothest
+from .tangent import Tangent
 from .targets import checked_targets
 
 DISTINCT = 1e-4  # singular values below this share of the largest belong to what the outlines do not tell

@@ -7,29 +7,17 @@ surface follows by the chain rule. The energy changes by ∂E/∂p alone, as the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Array
-from ..checks import instance
-from ..errors import NotConvergedError
-from ..geometry.body import by_node
-from ..morphometry.folds import sulcal_depth
-from ..morphometry.shape import gyrification_index
-from ..parts import TimeStep
 from ..results.result import Result
-from ..results.surface import along_pial, pial_closed
-from ..solve.inertia import Factors, Indefinite
-from ..solve.problem import Configuration, Problem, configuration
-from ..solve.sparsity import Assembler
-from ..state import State
-from .parameters import Change, change, check_path, number_of
-from .validity import MISSED, lowest_eigenvalue, range_of
-
-Measure = Callable[[Array], float]
-ENERGY = "energy"
+from .measures import MEASURES, Measure, measures_of, pial_at, rate_along
+from .parameters import number_of
+from .tangent import Equilibrium
+from .validity import MISSED, range_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,136 +72,39 @@ class Sensitivity:
 
 
 def sensitivity(
-    result: Result,
-    *,
-    to: Sequence[str],
-    of: Sequence[str | Measure] = ("gyrification_index", "perimeter", "sulcal_depth", ENERGY),
-    step: int = -1,
+    result: Result, *, to: Sequence[str], of: Sequence[str | Measure] = MEASURES, step: int = -1
 ) -> Sensitivity:
     """Return the derivatives of measures of a state with respect to parameters of its parts.
 
+    A solve for each parameter; `adjoint_sensitivity` takes one for each measure.
     to: parameters such as "TangentialGrowth.cortex", "Elastic.gray.mu", "AxonalTension.strength".
     of: "gyrification_index", "perimeter" (m), "sulcal_depth" (m), "energy" (J/m), or functions of the pial
     points (2, n) in m.
     Raises ValueError for scenes whose state depends on the way to it (drag, inertia, growth by stress,
     patterns that evolve) and for what is no parameter; NotConvergedError for a state that is no equilibrium.
     """
-    instance("result", result, Result, "simulate(scene)")
-    scene, state = result.scene, result.states[step]
-    values = np.array([number_of(scene, parameter) for parameter in to])
-    problem = Problem(scene)
-    check_path(problem, result.states[0])
-    x, last = by_node(state["displacement"]), TimeStep(state.time or scene.until, over=True)
-    at = _balanced(problem, state, last, x)
-    tangent = Tangent(problem, at)
-    changes = [change(scene, state, x, parameter, last) for parameter in to]
-    moves = np.stack([-tangent.solve(found.gradient) for found in changes])
-    measures = dict(_measure(result, item) for item in of)
-    points = _pial(result, x)
-    rows = [_row(result, points, measure, moves, changes) for measure in measures.values()]
-    numbers = [at.energy if measure is None else measure(points) for measure in measures.values()]
+    here = Equilibrium.of(result, step)
+    values = np.array([number_of(result.scene, parameter) for parameter in to])
+    changes = [here.change(parameter) for parameter in to]
+    moves = np.stack([-here.tangent.solve(found.gradient) for found in changes])
+    measures = measures_of(result, of)
+    points = pial_at(result, here.x)
+    rows = [
+        [found.energy for found in changes]
+        if measure is None
+        else [rate_along(result, measure, here.x, move) for move in moves]
+        for measure in measures.values()
+    ]
+    numbers = [here.at.energy if measure is None else measure(points) for measure in measures.values()]
+    factors = here.tangent.factors
     return Sensitivity(
         parameters=tuple(to), values=values, measures=tuple(measures), numbers=np.array(numbers),
         derivatives=np.array(rows).reshape(len(measures), len(to)),
         displacement=moves.reshape(len(to), -1, 2).swapaxes(1, 2),
-        errors=np.array([found.error for found in changes]), negative_pivots=tangent.factors.negative,
+        errors=np.array([found.error for found in changes]), negative_pivots=factors.negative,
         ranges=np.array([
-            range_of(scene, state, move, name, last, tangent.factors)
+            range_of(result.scene, here.state, move, name, here.step, factors)
             for name, move in zip(to, moves, strict=True)
         ]),
-        stability=tangent.lowest / Tangent(problem, _first(problem)).lowest,
+        stability=here.stability,
     )  # fmt: skip
-
-
-def _balanced(problem: Problem, state: State, last: TimeStep, x: Array) -> Configuration:
-    """Return the equilibrium at a state."""
-    at = configuration(problem.potentials(state, last), x)
-    if at is None:
-        raise NotConvergedError("the state is not admissible", time=state.time)
-    residual = at.forces(Assembler(problem.n_dofs, problem.held).free)[1]
-    if residual > 10 * problem.scene.stepping.tolerance:
-        raise NotConvergedError(
-            f"the state at t = {state.time:.4g} is no equilibrium, its residual is {residual:.2g}; "
-            "run its scene again",
-            time=state.time,
-        )
-    return at
-
-
-def _first(problem: Problem) -> Configuration:
-    """Return the configuration that the scene starts from."""
-    start, length = problem.start(), problem.scene.stepping.first * problem.scene.until
-    at = configuration(problem.potentials(start, TimeStep(length)), by_node(start["displacement"]))
-    if at is None:
-        raise NotConvergedError("the scene's start is not admissible", time=0.0)
-    return at
-
-
-class Tangent:
-    """The factorised tangent of an equilibrium."""
-
-    def __init__(self, problem: Problem, at: Configuration) -> None:
-        self.assembler = Assembler(problem.n_dofs, problem.held)
-        self.sparsity, self.values = self.assembler.assemble(at.hessians(0.0))
-        self.factors: Factors = Indefinite(self.sparsity).factorize(self.values)
-
-    @property
-    def lowest(self) -> float:
-        """The eigenvalue nearest to zero."""
-        return lowest_eigenvalue(self.factors, len(self.assembler.free))
-
-    def solve(self, gradient: Array) -> Array:
-        """Return K⁻¹ of forces, (2 n_nodes,), refined once as the pivots are not chosen."""
-        free = self.assembler.free
-        b, whole = gradient[free], np.zeros(len(gradient))
-        found = self.factors.solve(b)
-        found += self.factors.solve(b - self.sparsity.times(self.values, found))
-        whole[free] = found
-        return whole
-
-
-def perimeter(points: Array, closed: bool) -> float:
-    """Return the length of a polygon (2, n); m."""
-    return float(np.hypot(*np.diff(points, axis=1, append=points[:, :1] if closed else points[:, -1:])).sum())
-
-
-def _measure(result: Result, item: str | Measure) -> tuple[str, Measure | None]:
-    """Return a measure's name and its function of the pial points; None for the energy."""
-    closed, thickness = pial_closed(result.scene.body), result.scene.body.thickness
-    known: dict[str, Measure | None] = {
-        "gyrification_index": lambda points: gyrification_index(points, closed=closed),
-        "perimeter": lambda points: perimeter(points, closed),
-        "sulcal_depth": lambda points: float(sulcal_depth(points, closed=closed, thickness=thickness)),
-        ENERGY: None,
-    }
-    if callable(item):
-        return getattr(item, "__name__", "measure"), item
-    if item not in known:
-        raise ValueError(f"of={item!r} must be one of {', '.join(known)}, or a function of points (2, n).")
-    return item, known[item]
-
-
-def _pial(result: Result, x: Array) -> Array:
-    body = result.scene.body
-    return along_pial(body, (body.nodes + x.reshape(-1, 2).T)[:, body.pial])
-
-
-def _row(
-    result: Result, points: Array, measure: Measure | None, moves: Array, changes: list[Change]
-) -> list[float]:
-    """Return the derivatives of one measure, by extrapolated differences along each motion."""
-    if measure is None:
-        return [found.energy for found in changes]
-    body, row = result.scene.body, []
-    for move in moves:
-        way = _pial(result, move) - along_pial(body, body.nodes[:, body.pial])
-        largest = float(np.abs(way).max())
-        if not largest > 0:
-            row.append(0.0)
-            continue
-        h = 1e-4 * body.thickness / largest
-        wide, narrow = (
-            (measure(points + s * way) - measure(points - s * way)) / (2 * s) for s in (h, 0.5 * h)
-        )
-        row.append((4 * narrow - wide) / 3)
-    return row
