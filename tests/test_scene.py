@@ -1,11 +1,14 @@
 """What a scene accepts beside each other, and its unit of stress."""
 
-from dataclasses import dataclass
+import copy
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
 from checks import message_names
-from small import GRAY
+from small import GRAY, elastic_scene
 
 from turingfold import (
     AxonalTension,
@@ -24,7 +27,7 @@ from turingfold import (
     semicircle,
     simulate,
 )
-from turingfold.extend import GrowthLaw, Load, Operator
+from turingfold.extend import Body, Evolution, GrowthLaw, Load, Operator, Process, State
 from turingfold.scene import stress_scale
 from turingfold.terms.active import ActiveStress
 
@@ -86,6 +89,62 @@ def test_a_field_that_nobody_writes_is_refused_with_the_nearest_name(body):
     with pytest.raises(MissingFieldError, match="reads the field 'patern'") as failure:
         Scene(body=body, terms=(SOLID, Reads("patern")), processes=(Turing(Schnakenberg()),))
     message_names(failure.value, "did you mean 'pattern'?")
+
+
+@dataclass(frozen=True)
+class Own(Process, Evolution):
+    """A process of a user's own, with mistakes that are given to it."""
+
+    start_with: Callable[[Body], Any]
+    advance_by: Callable[[State, State], Any] = lambda before, now: {}
+    reads: tuple[str, ...] | str = ()
+    writes = ("growth",)
+
+    def on(self, body):
+        return replace(self, start_with=lambda: self.start_with(body))
+
+    def start(self, state, seed):
+        return self.start_with()
+
+    def advance(self, before, now, dt):
+        return self.advance_by(before, now)
+
+
+def ones(body):
+    return {"growth": np.ones((3, *body.quadrature.weights.shape))}
+
+
+def spoilt(before, now):
+    before["growth"][:] = 1.3
+    return {}
+
+
+def careless(before, now):
+    return {"growth": before["growth"] * (1 + 0 * before["cauchy_stress"][:3])}
+
+
+@pytest.mark.parametrize(
+    ("process", "message"),
+    [
+        (Own(lambda body: {}), "Own.start made no 'growth'; it makes every field that it declares"),
+        (Own(lambda body: {"growth": [1.0, 2.0]}), "Own.start made 'growth' of list; it must be a numpy"),
+        (Own(ones, lambda before, now: {"growth": 1.0}), "Own.advance made 'growth' of float; it must be"),
+        (Own(ones, careless), r"the state has no field 'cauchy_stress' \(it has: .*\); .* in `reads`"),
+        (Own(ones, spoilt), "read-only"),
+        (Own(ones, reads="displacement"), r"Own.reads='displacement' must be a tuple of names"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_process_are_said_and_change_nothing(process, message):
+    with pytest.raises(ValueError, match=message):
+        simulate(elastic_scene(process))
+
+
+def test_a_state_keeps_its_fields_whatever_is_done_with_the_array():
+    array = np.ones((2, 3))
+    state = State(0.0, {"displacement": array})
+    for kept in (array, state["displacement"], copy.deepcopy(state)["displacement"]):
+        with pytest.raises(ValueError, match="read-only"):
+            kept[0, 0] = 2.0
 
 
 @dataclass(frozen=True)

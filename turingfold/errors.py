@@ -50,4 +50,4 @@ class StepTooLongError(SolveError):
 
 
 class MissingFieldError(ValueError):
-    """A part reads a field that no earlier process writes."""
+    """A part reads a field that no earlier process writes, or that it does not declare."""

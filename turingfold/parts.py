@@ -13,6 +13,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from .arrays import Array, Integers
 from .geometry.body import Body
 from .state import State
@@ -258,10 +260,21 @@ class Solid(Term):
 
 
 def declared(part: Part, fields: object, by: str) -> Mapping[str, Array]:
-    """Return the fields that a part made; raises ValueError for what is no dict of those it declares."""
+    """Return the fields that a part made; raises ValueError for what is no dict of those it declares.
+
+    by: "start", which makes all of them, or "advance", which may leave out what does not change.
+    """
+    name, writes = f"{type(part).__name__}.{by}", ", ".join(part.writes) or "none"
     if not isinstance(fields, dict) or not set(fields) <= set(part.writes):
         raise ValueError(
-            f"{type(part).__name__}.{by} returned {str(fields)[:60]}; it must be a dict of the fields it "
-            f"declares in `writes` ({', '.join(part.writes) or 'none'}), {{}} where nothing changes."
+            f"{name} returned {str(fields)[:60]}; it must be a dict of the fields it declares in `writes` "
+            f"({writes}), {{}} where nothing changes."
         )
+    if by == "start" and (missing := [field for field in part.writes if field not in fields]):
+        raise ValueError(
+            f"{name} made no {missing[0]!r}; it makes every field that it declares in `writes` ({writes})."
+        )
+    for field, values in fields.items():
+        if not isinstance(values, np.ndarray):
+            raise ValueError(f"{name} made {field!r} of {type(values).__name__}; it must be a numpy array.")
     return fields

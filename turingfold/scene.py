@@ -97,6 +97,11 @@ def _listed(name: str, parts: Any, kind: type) -> tuple[Any, ...]:
                 "everything with an energy into terms; a part of your own derives from turingfold.extend."
                 f"{kind.__name__}."
             )
+        for fields in ("reads", "optional", "writes"):
+            if isinstance(word := getattr(part, fields), str):
+                raise ValueError(
+                    f"{type(part).__name__}.{fields}={word!r} must be a tuple of names, ({word!r},)."
+                )
     return listed
 
 

@@ -11,6 +11,7 @@ from turingfold import (
     RateGrowth,
     Scene,
     Stepping,
+    StoppedError,
     TangentialGrowth,
     Weeks,
     load,
@@ -93,11 +94,15 @@ def test_a_result_is_asked_by_week_and_day(tmp_path):
         assert found.at(week=28).time == 0.0
         assert found.label() == "week 40"
         assert found.label(found.at(week=32.1)) == "week 32.1"
-        with pytest.raises(ValueError, match=r"week=33: time=0.41\d* has no state.*Stepping\(stops="):
+        with pytest.raises(ValueError, match=r"week=33: time=0.41\d* has no .*exact=False.*Stepping\(stops="):
             found.at(week=33)
         assert found.at(week=33, exact=False).time == pytest.approx(0.3417, abs=0.1)
-    with pytest.raises(ValueError, match=r"week=41 must be between 28 and 40"):
+    with pytest.raises(
+        ValueError, match=r"^week=41 must be between 28 and 40; other weeks need [^.]*\.\.\.\)\.$"
+    ):
         result.at(week=41)
+    with pytest.raises(ValueError, match=r"^week='32' must be a finite number"):
+        result.at(week="32")
     with pytest.raises(ValueError, match=r"day=3: no process of the scene has ages in days \(it has: weeks"):
         result.at(day=3)
     with pytest.raises(ValueError, match="one of time, week and day, not 2"):
@@ -120,6 +125,19 @@ def test_steps_go_on_as_long_as_before_a_stop():
 
 def test_processes_of_different_ages_are_refused():
     two = TangentialGrowth(cortex=1.01, history=Weeks()), TangentialGrowth(cortex=1.01, history=Weeks(end=38))
-    result = simulate(scene(*two, first=1.0, largest=1.0))
     with pytest.raises(ValueError, match="different ages"):
-        result.label()
+        simulate(scene(*two, first=1.0, largest=1.0))
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        TangentialGrowth(cortex=1.05, history=Days(duration=0.5)),
+        RateGrowth(rate=0.1, thinning=0.0, ages=Days(duration=0.5)),
+    ],
+)
+def test_a_run_ends_where_its_ages_do(law):
+    with pytest.raises(StoppedError, match=r"is after P32.* end the scene by until=0\.5") as failure:
+        simulate(scene(law, first=0.1, largest=0.2))
+    assert failure.value.result.last.time == pytest.approx(0.5, abs=1e-3)
+    assert failure.value.result.label().startswith("P3")  # pictures have their ages

@@ -141,6 +141,9 @@ def test_wrong_tables_are_refused_by_name(tmp_path, text, message):
     file.write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=message):
         BoundaryLoads.read(file, width=0.1)
+    file.write_bytes(b"\x89PNG\xff\xfe" + text.encode())
+    with pytest.raises(ValueError, match=r"loads.csv: .* must name the columns"):
+        BoundaryLoads.read(file, width=0.1)
 
 
 @pytest.mark.parametrize(
@@ -164,6 +167,8 @@ def test_places_off_the_surface_and_widths_below_the_mesh_are_refused(body):
         BoundaryLoads(places=((0.0, 0.5),), forces=((1.0, 0.0),), width=0.1).on(body)
     with pytest.raises(ValueError, match=r"width=0\.01 m must be at least"):
         BoundaryLoads(places=(0.5,), forces=((1.0, 0.0),), width=0.01).on(body)
+    with pytest.raises(ValueError, match=r"width=4 m is more than .* 3\.14 m; it is in m: 4 mm are 0\.004"):
+        BoundaryLoads(places=(0.5,), forces=((1.0, 0.0),), width=4.0).on(body)
     with pytest.raises(ValueError, match="half a body"):
         BoundaryLoads(places=(0.7,), forces=((1.0, 0.0),), width=0.1).on(half(body))
 

@@ -46,7 +46,7 @@ class SurfaceTable:
         Raises ValueError, naming file and line, for other columns or units, and for what is no number.
         """
         path = file_path("file", file, "a CSV file")
-        with path.open(newline="", encoding="utf-8-sig") as stream:
+        with path.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
             rows = csv.reader(stream, skipinitialspace=True)
             header = next(rows, [])
             named = bool(header) and header[0].strip().lower() == "name"

@@ -31,6 +31,10 @@ class Ages(ABC):
         """Return the growth factor at `time`."""
 
     @abstractmethod
+    def check(self, time: float) -> None:
+        """Raise InadmissibleStateError for a time of the scene beyond the last age that is known."""
+
+    @abstractmethod
     def time(self, age: float) -> float:
         """Return the scene's time at an age; raises ValueError outside the history's range."""
 
@@ -74,16 +78,19 @@ class Weeks(Ages):
 
     def factor(self, final: float, time: float) -> float:
         """Return the growth factor at `time`."""
-        now = self.age(time)
-        if now > LAST_WEEK:
-            raise InadmissibleStateError(
-                f"Weeks: t = {time:.4g} is week {now:.4g}, but the curves of growth end at {LAST_WEEK:g}; "
-                f"end the scene by until={self.duration:g}, which is week {self.end:g}.",
-                time=time,
-            )
+        self.check(time)
         share = CURVES[self.curve]
         start, end = share(self.start), share(self.end)
-        return 1.0 + (final - 1.0) * (share(now) - start) / (end - start)
+        return 1.0 + (final - 1.0) * (share(self.age(time)) - start) / (end - start)
+
+    def check(self, time: float) -> None:
+        """Raise InadmissibleStateError for a time after week 44."""
+        if (now := self.age(time)) > LAST_WEEK:
+            raise InadmissibleStateError(
+                f"Weeks: t = {time:.4g} is week {now:.4g}, but the curves of growth end at {LAST_WEEK:g}; "
+                f"end the scene by until={self.duration:g}, which is week {self.end:g}",
+                time=time,
+            )
 
     def time(self, age: float) -> float:
         """Return the scene's time at a week; raises ValueError for one not from start to end."""
@@ -116,7 +123,17 @@ class Days(Ages):
 
     def factor(self, final: float, time: float) -> float:
         """Return the growth factor at `time`."""
+        self.check(time)
         return 1.0 + (final - 1.0) * time / self.duration
+
+    def check(self, time: float) -> None:
+        """Raise InadmissibleStateError for a time after P32."""
+        if time > self.duration * (1 + SLACK):
+            raise InadmissibleStateError(
+                f"Days: t = {time:.4g} is after P{LAST_DAY:g}, where growth by days ends; end the scene by "
+                f"until={self.duration:g}",
+                time=time,
+            )
 
     def time(self, age: float) -> float:
         """Return the scene's time at a postnatal day; raises ValueError for one not from 0 to 32."""

@@ -16,7 +16,7 @@ from ..geometry.surface_table import BETWEEN, Places, SurfaceTable, checked_plac
 from ..state import State
 from .ages import Ages, Weeks
 from .histories import History, Linear
-from .laws import OUT_OF_PLANE, GrowthLaw
+from .laws import OUT_OF_PLANE, GrowthLaw, check_factor
 
 OF = ("length", "area")
 SLACK = 1e-9  # by which round-off may pass the first and the last age of a table
@@ -34,7 +34,7 @@ class GrowthMap(GrowthLaw):
     follows the last.
     between: places: "linear" in arc length, or "nearest", as in regions of constant growth.
     out_of_plane: "fixed" (g_z = 1) or "tangential" (g_z = g_t).
-    Raises ValueError for fewer than two factors, or one that is not positive, and places off the surface.
+    Raises ValueError for fewer than two factors, or one outside 0.3 to 5, and places off the surface.
     """
 
     cortex: tuple[float, ...]
@@ -47,6 +47,8 @@ class GrowthMap(GrowthLaw):
         values = finite_array("cortex", self.cortex, (None,))
         if values.size < 2 or not values.min() > 0:
             raise ValueError(f"cortex={self.cortex!r} must be two or more positive growth factors.")
+        for value in (values.min(), values.max()):
+            check_factor("cortex", float(value))
         object.__setattr__(self, "cortex", tuple(values.tolist()))
         if self.places is not None:
             object.__setattr__(self, "places", checked_places(self.places, values.size, "cortex"))

@@ -23,6 +23,12 @@ FACTOR = "it is a factor: 1 is no growth, 1.9 growth by 90 %"
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
+def check_factor(name: str, value: float) -> None:
+    """Raise ValueError for a growth factor outside 0.3 to 5, beyond which no tissue of this model goes."""
+    positive(name, value, remedy=FACTOR)
+    between(name, value, 0.3, 5.0, f"per cent or a fraction? {FACTOR}")
+
+
 class GrowthLaw(Process):
     """A process that gives growth factors as a function of time; writes "growth".
 
@@ -117,8 +123,7 @@ class TangentialGrowth(GrowthLaw):
 
     def __post_init__(self) -> None:
         for name in ("cortex", "core", "radial_cortex", "radial_core", "swelling_core"):
-            positive(name, getattr(self, name), remedy=FACTOR)
-            between(name, getattr(self, name), 0.3, 5.0, f"per cent or a fraction? {FACTOR}")
+            check_factor(name, getattr(self, name))
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
         instance("history", self.history, History, "Linear() or Exponential()")
         if abs(finite("modulation", self.modulation)) > 1:
@@ -180,6 +185,8 @@ class RateGrowth(GrowthLaw):
 
     def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
         """Return g_t and g_n at a time."""
+        if self.ages is not None:
+            self.ages.check(time)
         # the whole history again, so that growth does not depend on the steps taken
         thinned(self.thinning, time)  # the cortex must last until then
         spent = np.zeros_like(body.quadrature.weights)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..checks import finite, instance, one_of, positive
+from ..checks import between, finite, instance, one_of, positive
 from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
 from ..parts import Evolution, Fields, Process
@@ -18,6 +18,7 @@ from .laws import OUT_OF_PLANE, multiplied
 from .zones import Region
 
 ZONES = ("core", "cortex", "all")
+STRETCHES = -0.7, 4.0  # of β: stretches from 0.3 to 5, beyond which no tissue of this model goes
 SOURCES = ("pial", "interface", "hole")
 
 
@@ -29,7 +30,7 @@ class Swelling(Process):
     share of the tissue. c is the same everywhere and follows the history, c = history.factor(2, t) - 1; or it
     diffuses, ∂c/∂t = D ∇²c on the undeformed body, from a boundary where c = 1, with no flux through the
     others. Thin fronts overshoot on coarse meshes: where the diffusing c leaves [0, 1], it is put back there.
-    coefficient: β, more than -1.
+    coefficient: β, from -0.7 to 4.
     zone: where it swells: "core", "cortex" (both follow the body's layers), "all", or a region such as
     Ellipse(...).
     history: of c; Linear() where it does not diffuse.
@@ -52,6 +53,9 @@ class Swelling(Process):
                 f"coefficient={self.coefficient:g} must be more than -1, or the tissue would shrink to no "
                 "volume where the concentration is 1."
             )
+        between(
+            "coefficient", self.coefficient, *STRETCHES, "per cent or a fraction? 0.2 is a stretch of 1.2"
+        )
         if isinstance(self.zone, str):
             one_of("zone", self.zone, ZONES)
         else:

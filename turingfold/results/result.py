@@ -184,11 +184,12 @@ class Result:
         if ages is None or ages.unit != unit:
             has = f"{ages.unit}s" if ages else "none"
             raise ValueError(
-                f"{unit}={value:g}: no process of the scene has ages in {unit}s (it has: {has}); give growth "
+                f"{unit}={value}: no process of the scene has ages in {unit}s (it has: {has}); give growth "
                 "a history=Weeks(...) or Days(...), or ask for a time."
             )
+        time = ages.time(value)
         try:
-            return self._nearest(ages.time(value), exact is not False)
+            return self._nearest(time, exact is not False)
         except ValueError as error:
             raise ValueError(
                 f"{unit}={value:g}: {error} A step ends there with Stepping(stops=history.times({value:g}))."
@@ -206,8 +207,8 @@ class Result:
             raise ValueError(f"time={time:g} must be from {times[0]:g} to {times[-1]:g}, the last state's.")
         if exact and abs(times[step] - time) > tolerance:
             raise ValueError(
-                f"time={time:g} has no state, the nearest is {times[step]:g}. Leave out exact=True or keep "
-                "more states (frames=)."
+                f"time={time:g} has no state, the nearest is {times[step]:g}. Take that with "
+                "exact=False, or keep more states (frames=)."
             )
         return self.states[step]
 

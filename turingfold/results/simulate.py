@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..checks import instance, whole
 from ..errors import NotConvergedError, SolveError
 from ..geometry.triangles import folded_over
+from ..growth.ages import ages_of
 from ..growth.measure import largest_growth
 from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
@@ -78,10 +79,11 @@ def simulate(
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
     Warns (CoarseMeshWarning) of fewer than four elements through a growing cortex.
-    Raises StoppedError where no step is possible any more, ValueError where `out` holds something else,
-    OutputError (an OSError) where it cannot be written.
+    Raises StoppedError where no step is possible any more, ValueError where `out` holds something else and
+    for processes of different ages, OutputError (an OSError) where it cannot be written.
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    ages_of(scene.processes)
     _warn_if_coarse(scene)
     whole("frames", frames, at_least=1)
     watch = watcher(progress, scene.until)

@@ -11,6 +11,7 @@ from ..checks import finite, finite_array
 from ..geometry.body import Body
 from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
+from .doubts import of_stress
 from .element_matrices import gradient_products, lower, pairs
 
 
@@ -39,6 +40,11 @@ class ActiveStress(Load):
     def reads(self) -> tuple[str, ...]:
         """The pattern, if the stress follows it."""
         return ("pattern",) if self.follows_pattern else ()
+
+    def doubt(self, body: Body, shear_modulus: float) -> str:
+        """Return words for a stress far beyond μ."""
+        words = of_stress("ActiveStress: stress", self.stress, shear_modulus)
+        return words and f"{words}; it is in Pa."
 
     def on(self, body: Body) -> ActiveOperator:
         """Return the term discretised on `body`."""

@@ -14,6 +14,7 @@ from ..geometry.body import Body
 from ..geometry.surface_table import checked_places
 from ..parts import Load, Operator, TimeStep
 from ..state import State
+from .doubts import of_line
 from .line import SHAPES, WEIGHTS, DeadLoad, Line
 from .load_table import Places, read_loads
 
@@ -66,6 +67,12 @@ class BoundaryLoads(Load):
         x, y = np.sum(self.forces, axis=0).tolist()
         return x, y
 
+    def doubt(self, body: Body, shear_modulus: float) -> str:
+        """Return words for a force far beyond μT."""
+        largest = float(np.hypot(*np.transpose(self.forces)).max())
+        words = of_line("BoundaryLoads: the largest of forces", largest, body, shear_modulus)
+        return words and f"{words}; forces are in N/m, N per m of depth."
+
     def on(self, body: Body) -> BoundaryLoadsOnBody:
         """Return the loads on a body."""
         return BoundaryLoadsOnBody(self, body)
@@ -97,6 +104,11 @@ class PeakLoads(Load):
         """The pattern."""
         return ("pattern",)
 
+    def doubt(self, body: Body, shear_modulus: float) -> str:
+        """Return words for a strength far beyond μT."""
+        words = of_line("PeakLoads: strength", self.strength, body, shear_modulus)
+        return words and f"{words}; it is in N/m, N per m of depth."
+
     def on(self, body: Body) -> PeakLoadsOnBody:
         """Return the loads on a body."""
         return PeakLoadsOnBody(self, body)
@@ -113,6 +125,11 @@ class Spreading:
             arc[2, -1] = curve.length
         self.arc = np.einsum("km,kg->gm", arc, SHAPES)
         edge = float((arc[2] - arc[0]).max())
+        if width > curve.length:
+            raise ValueError(
+                f"width={width:g} m is more than the length of the pial surface, {curve.length:.3g} m; it is "
+                f"in m: {width:g} mm are {1e-3 * width:g}."
+            )
         if width < FINEST * edge:
             raise ValueError(
                 f"width={width:g} m must be at least {FINEST * edge:.3g} m, half the longest edge of the "

@@ -11,11 +11,11 @@ from ..checks import finite, one_of, whole
 from ..geometry.body import Body
 from ..parts import Entries, Evaluation, Hessian, Load, Operator, Potential, TimeStep
 from ..state import State
+from .doubts import of_line, of_stress
 from .line import DERIVATIVES, SHAPES, WEIGHTS, DeadLoad, Line
 
 SURFACES = ("interface", "pial")
 DIRECTIONS = ("toward-peaks", "between-peaks")
-FAR = 20.0  # times the stiffness: more is a mistake of units
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,16 +63,13 @@ class AxonalTension(Load):
 
     def doubt(self, body: Body, shear_modulus: float) -> str:
         """Return words for a strength far beyond μT (N/m) on the interface, or μ (Pa) on the pial surface."""
-        per_line = self.surface == "interface"
-        scale = shear_modulus * (body.thickness if per_line else 1.0)
-        if abs(self.strength) <= FAR * scale:
-            return ""
-        unit, of = ("N/m", "modulus times thickness of the cortex") if per_line else ("Pa", "modulus")
-        return (
-            f"strength={self.strength:g} {unit} of AxonalTension is {abs(self.strength) / scale:.3g} times "
-            f"the shear {of} ({scale:.3g} {unit}): no tissue withstands that. A line tension (surface="
-            '"interface") is in N/m, a traction (surface="pial") in Pa.'
-        )
+        what = "AxonalTension: strength"
+        if self.surface == "interface":
+            words = of_line(what, self.strength, body, shear_modulus)
+        else:
+            words = of_stress(what, self.strength, shear_modulus)
+        units = 'a line tension (surface="interface") is in N/m, a traction (surface="pial") in Pa'
+        return words and f"{words}; {units}."
 
     def on(self, body: Body) -> TensionOperator:
         """Return the term discretised on `body`."""
