@@ -32,7 +32,7 @@ from turingfold.cli.run import told
 from turingfold.extend import Evolution, Process
 
 KEYS = {
-    "perimeter", "errors", "no_errors", "step_errors", "no_step_errors",
+    "perimeter", "errors", "no_errors", "step_errors", "no_step_errors", "quadrature_errors",
     "status", "message", "time", "area_growth", "cortex_growth", "core_growth", "centre_growth",
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",
@@ -310,7 +310,7 @@ def test_a_result_of_a_program_without_estimates_is_read(tmp_path):
     simulate(elastic_scene(), tmp_path / "old")
     file = tmp_path / "old" / "summary.json"
     summary = json.loads(file.read_text())
-    for name in ("errors", "no_errors", "step_errors", "no_step_errors"):
+    for name in ("errors", "no_errors", "step_errors", "no_step_errors", "quadrature_errors"):
         del summary[name]
     file.write_text(json.dumps(summary))
     assert load(tmp_path / "old").status == "converged"

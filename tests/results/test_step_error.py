@@ -19,7 +19,7 @@ from turingfold import (
     semicircle,
     simulate,
 )
-from turingfold.results.estimate import NoEstimateError
+from turingfold.results.carried import NoEstimateError
 from turingfold.results.measures import shape_numbers
 from turingfold.results.step_error import step_errors
 

@@ -261,7 +261,9 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         index += f" against the convex hull, {closed:.2f} against {disc}"
     yield f"folds: {sulci(s['folds'])}{deep}; {index}"
     if mesh := _errors(s, "errors"):
-        yield f"errors of the mesh, estimated: {mesh}; of the steps: {_errors(s, 'step_errors')}"
+        rule = max(_shares(s, "quadrature_errors").values(), default=0.0)
+        inside = f" (its quadrature: up to {100 * rule:.1g} %)" if rule else ""
+        yield f"errors of the mesh, estimated: {mesh}{inside}; of the steps: {_errors(s, 'step_errors')}"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
@@ -283,10 +285,15 @@ def _errors(s: Mapping[str, Any], errors: str) -> str:
     """Return estimated errors in per cent, or why there are none; nothing where they were not wanted."""
     if not s[errors]:
         return str(s[f"no_{errors}"])
-    shares = {name: abs(off / s[name]) for name, off in s[errors].items() if off and s[name]}
+    shares = _shares(s, errors)
     names = {name: LENGTH.get(name, name.replace("_", " ")) for name in shares}
     words = [f"{names[name]} {100 * share:.2g} %" for name, share in shares.items()]
     return ", ".join(words) or "none"
+
+
+def _shares(s: Mapping[str, Any], errors: str) -> dict[str, float]:
+    """Return estimated errors relative to the numbers that they are of, of those that are not zero."""
+    return {name: abs(off / s[name]) for name, off in (s[errors] or {}).items() if off and s[name]}
 
 
 def _index(s: Mapping[str, Any], result: Result) -> str:

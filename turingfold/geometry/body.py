@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from skfem import Basis, ElementTriP2, MeshTri2
@@ -50,6 +51,8 @@ class Body:
     hole: str = "free"
     depth_by: str = "thickness"
     changes: Changes | None = None
+
+    order: ClassVar[int] = 4  # of polynomials that are integrated exactly
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
@@ -203,11 +206,11 @@ class Body:
 
     @cached_property
     def _basis(self) -> Basis:
-        return Basis(self.mesh, ElementTriP2(), intorder=4)
+        return Basis(self.mesh, ElementTriP2(), intorder=self.order)
 
     @cached_property
     def quadrature(self) -> Quadrature:
-        """Integration points of order 4, with everything that is computed on them once."""
+        """Integration points of its `order`, with everything that is computed on them once."""
         return Quadrature.of(self._basis)
 
     def at_quadrature(self, band: Band, values: Array) -> Array:

@@ -14,24 +14,20 @@ quadrature and its contact change and ½ r·e; of an error of order p, that is t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator, cg
 
 from ..arrays import Array
-from ..geometry.body import Body, by_node
+from ..geometry.body import Body
 from ..geometry.refinement import at_finer_points, prolongation, refined
-from ..parts import Evolution, Fields, LongEvolution, Process, TimeStep
-from ..scene import Scene
-from ..solve.inertia import Indefinite
-from ..solve.linear import NotPositiveDefinite, solver_for
 from ..solve.newton import Minimiser
 from ..solve.problem import Configuration, Problem, configuration
-from ..solve.sparsity import Assembler, Sparsity
-from ..stability.path_dependence import remembers
+from ..solve.sparsity import Assembler
 from ..state import State
+from .carried import NoEstimateError, at_rest, forces_of, on_another_body, refuse_motion, solution
 from .measures import shape_numbers
 
 BEYOND = 1.5  # 1/(1 - 2⁻ᵖ) is 2 at creases and corners, of order 1, 1.14 of order 3: their geometric mean
@@ -45,10 +41,6 @@ ENERGY, LENGTH = "energy", "perimeter"
 Numbers = dict[str, float]
 
 
-class NoEstimateError(Exception):
-    """There is no estimate of an error; the message says why."""
-
-
 def estimated(problem: Problem, state: State) -> Numbers:
     """Return by how much energy (J/m), pial length (m), gyrification index and sulcal depth (m) are off.
 
@@ -57,13 +49,12 @@ def estimated(problem: Problem, state: State) -> Numbers:
     Raises NoEstimateError where terms resist motion, as errors then add up over all steps; where the finer
     mesh cannot take the state; and where it would move the body far.
     """
-    if any(term.resists_motion for term in problem.scene.terms):
-        raise NoEstimateError("errors of a motion add up over its steps; see turingfold accuracy")
+    refuse_motion(problem.scene)
     body = problem.scene.body
-    at = _configuration(problem, state, over=True)
+    at = at_rest(problem, state)
     finer = _Finer.of(problem, state)
     assembler = Assembler(problem.n_dofs, problem.held)
-    solve = _solver(*assembler.assemble(at.hessians(0.0)), problem.scene)
+    solve = solution(*assembler.assemble(at.hessians(0.0)), problem.scene)
     local = finer.locally_balanced()
     whole = np.zeros(problem.n_dofs)
     whole[assembler.free] = -solve(finer.restricted(local.forces)[assembler.free])
@@ -107,8 +98,8 @@ class _Finer:
     """A state on the body with its triangles split."""
 
     problem: Problem
-    matrix: csr_matrix
     at: Configuration
+    matrix: csr_matrix
 
     @property
     def body(self) -> Body:
@@ -117,22 +108,9 @@ class _Finer:
     @classmethod
     def of(cls, problem: Problem, state: State) -> _Finer:
         """Return a state on the finer mesh, with the fields of processes as they are there."""
-        scene = problem.scene
-        body, finer = scene.body, refined(scene.body)
+        body, finer = problem.scene.body, refined(problem.scene.body)
         matrix = prolongation(body, finer)
-        carried = _carrier(body, finer, matrix)
-        known = _known(scene)
-        given = _Given({name: carried(name, state[name]) for name in known})
-        others = (process for process in scene.processes if known.isdisjoint(process.writes))
-        processes = (given, *others) if known else scene.processes
-        own = Problem(replace(scene, body=finer, processes=processes))
-        start = own.start()
-        now = own.processed(start, state.time) if state.time else start
-        now = now.updated(displacement=carried("displacement", state["displacement"]))
-        at = _configuration(own, now)
-        if at.is_condensed:  # what is inside the elements has settled now; tangents begin with it
-            at = _configuration(own, own.finished(now, at))
-        return cls(own, matrix, at)
+        return cls(*on_another_body(problem.scene, state, finer, _carrier(body, finer, matrix)), matrix)
 
     def locally_balanced(self) -> _Local:
         """Return what the new nodes do while those of the body stay."""
@@ -141,8 +119,8 @@ class _Finer:
         if at.is_condensed:  # volume is kept in each small triangle, by no small stiffness
             found = Minimiser(n, held, LOCAL, PATIENCE, solver=self.problem.scene.stepping.solver)
             end = found.minimise(at.potentials, at.x).at
-            return _Local(end.x - at.x, _forces(end), end.energy)
-        new, move, forces = Assembler(n, held), np.zeros(n), _forces(at)
+            return _Local(end.x - at.x, forces_of(end), end.energy)
+        new, move, forces = Assembler(n, held), np.zeros(n), forces_of(at)
         sparsity, values = new.assemble(at.hessians(1.0))
         diagonal, shape = sparsity.lower(values).diagonal(), (len(new.free), len(new.free))
         inverse = LinearOperator(shape, matvec=lambda x: x / diagonal)
@@ -162,7 +140,7 @@ class _Finer:
         there = configuration(self.at.potentials, self.at.x + step * direction)
         if there is None:
             raise NoEstimateError("the state touches what is not admissible on a finer mesh")
-        return (_forces(there) - forces) / step
+        return (forces_of(there) - forces) / step
 
     def prolonged(self, vector: Array) -> Array:
         """Return a field of the body, (2 n,), on the finer mesh."""
@@ -171,42 +149,6 @@ class _Finer:
     def restricted(self, forces: Array) -> Array:
         """Return what forces on the finer mesh do along displacements of the body, (2 n,)."""
         return np.asarray((self.matrix.T @ forces.reshape(-1, 2)).ravel())
-
-
-def _known(scene: Scene) -> set[str]:
-    """Return the fields that are carried over, as to compute them anew takes all steps or long."""
-    known = {
-        name
-        for process in scene.processes
-        if remembers(process, scene) or isinstance(process.on(scene.body), LongEvolution)
-        for name in process.writes
-    }
-    # with a field, all that its writers write
-    while more := {n for p in scene.processes if not known.isdisjoint(p.writes) for n in p.writes} - known:
-        known |= more
-    return known
-
-
-def _configuration(problem: Problem, state: State, *, over: bool = False) -> Configuration:
-    step = TimeStep(state.time or problem.scene.until, over=over)
-    at = configuration(problem.potentials(state, step), by_node(state["displacement"]))
-    if at is None:
-        raise NoEstimateError("walls cross or triangles turn over in the state on a finer mesh")
-    return at
-
-
-def _forces(at: Configuration) -> Array:
-    return np.asarray(np.sum([e.gradient()[0] for e in at.evaluations], axis=0))
-
-
-def _solver(sparsity: Sparsity, values: Array, scene: Scene) -> Callable[[Array], Array]:
-    """Return what solves with the tangent of the state."""
-    solver = solver_for(sparsity, scene.stepping.solver)
-    try:
-        solver.factorize(values)
-    except NotPositiveDefinite:  # a saddle
-        return Indefinite(sparsity).factorize(values).solve
-    return solver.solve
 
 
 def _carrier(body: Body, finer: Body, matrix: csr_matrix) -> Callable[[str, Array], Array]:
@@ -223,32 +165,3 @@ def _carrier(body: Body, finer: Body, matrix: csr_matrix) -> Callable[[str, Arra
         raise NoEstimateError(f"the field {name!r} of shape {values.shape} belongs to no nodes or points")
 
     return carried
-
-
-@dataclass(frozen=True, eq=False)
-class _Given(Process):
-    """Fields that are known already."""
-
-    fields: Fields
-
-    @property
-    def writes(self) -> tuple[str, ...]:
-        return tuple(self.fields)
-
-    @property
-    def keeps(self) -> tuple[str, ...]:
-        return tuple(self.fields)
-
-    def on(self, body: Body) -> _GivenOnBody:
-        return _GivenOnBody(self.fields)
-
-
-@dataclass(frozen=True, eq=False)
-class _GivenOnBody(Evolution):
-    fields: Fields
-
-    def start(self, state: State, seed: int) -> Fields:
-        return dict(self.fields)
-
-    def advance(self, before: State, now: State, dt: float) -> Fields:
-        return dict(self.fields)

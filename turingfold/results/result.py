@@ -55,8 +55,9 @@ class Result:
     message: what to know about it.
     seconds, seconds_by_part: time spent.
     errors: how far the mesh leaves numbers of the last state off, by their names in the summary; see
-    `estimate`.  step_errors: how far the steps do, see `step_error`; 0 for an equilibrium, which depends on
-    none. Empty where they were not asked for, or there are none: no_errors and no_step_errors then say why.
+    `estimate`; quadrature_errors: the part of its integration points, see `quadrature_error`.  step_errors:
+    how far the steps do, see `step_error`; 0 for an equilibrium, which depends on none. Empty where they were
+    not asked for, or there are none: no_errors and no_step_errors then say why.
     Raises ValueError for another status.
     """
 
@@ -71,6 +72,7 @@ class Result:
     no_errors: str = ""
     step_errors: Mapping[str, float] = field(default_factory=dict)
     no_step_errors: str = ""
+    quadrature_errors: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         one_of("status", self.status, STATUSES)
@@ -263,8 +265,8 @@ class Result:
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.
-        perimeter: length of the pial surface, m.  errors, no_errors, step_errors (None where there are none),
-        no_step_errors: as in `Result`.
+        perimeter: length of the pial surface, m.  errors, no_errors, step_errors, no_step_errors,
+        quadrature_errors: as in `Result`; of steps and quadrature None where there are none.
         seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
@@ -295,6 +297,7 @@ class Result:
             "no_errors": self.no_errors,
             "step_errors": dict(self.step_errors) or None,
             "no_step_errors": self.no_step_errors,
+            "quadrature_errors": dict(self.quadrature_errors) or None,
             "converged": self.converged,
         }
 
@@ -338,6 +341,7 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     return Result(
         scene, tuple(states), tuple(history), ending.status, ending.message, seconds, ending.seconds_by_part,
         ending.errors, ending.no_errors, ending.step_errors or {}, ending.no_step_errors,
+        ending.quadrature_errors or {},
     )  # fmt: skip
 
 

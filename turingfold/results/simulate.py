@@ -241,12 +241,14 @@ class _Run:
     def _with_errors(self, result: Result) -> Result:
         """Return a result with how far its last numbers are off by the mesh and by the steps."""
         from .estimate import estimated
+        from .quadrature_error import quadrature_errors
         from .step_error import step_errors
 
         if self.folder is not None:  # it is not lost if this is interrupted
             self.folder.summarise(replace(result, no_errors=CUT, no_step_errors=CUT).summary())
         last, times = self.history[-1], [row["time"] for row in self.history]
         mesh = self._tried("error estimate", lambda: estimated(self.problem, result.last))
+        rule = self._tried("error estimate", lambda: quadrature_errors(self.problem, result.last))
         steps: tuple[dict[str, float], str] = {}, "The march stopped."
         if result.status != "stopped":
             steps = self._tried(
@@ -255,12 +257,12 @@ class _Run:
             )
         return replace(
             result, seconds=self._seconds(), seconds_by_part=self._parts(), errors=mesh[0], no_errors=mesh[1],
-            step_errors=steps[0], no_step_errors=steps[1],
+            step_errors=steps[0], no_step_errors=steps[1], quadrature_errors=rule[0],
         )  # fmt: skip
 
     def _tried(self, part: str, estimate: Callable[[], dict[str, float]]) -> tuple[dict[str, float], str]:
         """Return what an estimate of errors gives, or why it gives nothing; part: what its time counts as."""
-        from .estimate import NoEstimateError
+        from .carried import NoEstimateError
 
         began = perf_counter()
         try:

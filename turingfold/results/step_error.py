@@ -18,7 +18,8 @@ from ..solve.problem import Problem
 from ..stability.path_dependence import remembers
 from ..state import State
 from ..stepping import MIDPOINT
-from .estimate import ENERGY, LENGTH, NoEstimateError, Numbers
+from .carried import NoEstimateError
+from .estimate import ENERGY, LENGTH, Numbers
 from .measures import shape_numbers
 
 FEWEST = 4  # steps that are enough for half of them to mean anything
@@ -28,7 +29,7 @@ NAMES = (ENERGY, LENGTH, "gyrification_index", "sulcal_depth")
 
 def steps_matter(scene: Scene) -> bool:
     """Return whether a scene has terms that resist motion or processes that remember."""
-    return _moves(scene) or any(remembers(process, scene) for process in scene.processes)
+    return any(term.resists_motion for term in scene.terms) or _remembers(scene)
 
 
 def step_errors(scene: Scene, times: Sequence[float], state: State, energy: float) -> Numbers:
@@ -56,14 +57,13 @@ def step_errors(scene: Scene, times: Sequence[float], state: State, energy: floa
     return {name: share * abs(other[name] - found[name]) for name in NAMES}
 
 
-def _moves(scene: Scene) -> bool:
-    return any(term.resists_motion for term in scene.terms)
+def _remembers(scene: Scene) -> bool:
+    return any(remembers(process, scene) for process in scene.processes)
 
 
 def _order(scene: Scene) -> int:
     """Return the order of the steps: the midpoint rule has 2, processes that remember have 1."""
-    memory = any(remembers(process, scene) for process in scene.processes)
-    return 2 if scene.stepping.scheme == MIDPOINT and not memory else 1
+    return 2 if scene.stepping.scheme == MIDPOINT and not _remembers(scene) else 1
 
 
 def _marched(scene: Scene, times: Sequence[float]) -> tuple[State, dict[str, float], int]:
