@@ -23,10 +23,11 @@ from turingfold import parameters as p
 def scenes(
     quick=False, *, radius: p.Radius = 0.04, thickness: p.Thickness = 0.01, elements: p.Elements = 2,
     young: p.YoungGray = 1000.0, cortex: p.Cortex = 1.05, base: p.Base = "roller", pulled: p.Tension = False,
+    strength: p.Strength = 1e-3,
 ):
     body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base)
     solid = Elastic(gray=NeoHookean.from_young(young, 0.4))
-    pull = (AxonalTension(strength=1e-3, patches=2),) if pulled else ()
+    pull = (AxonalTension(strength=strength, patches=2),) if pulled else ()
     return {"only": Scene(
         body=body, terms=(solid, *pull), processes=(TangentialGrowth(cortex=cortex),),
         stepping=Stepping(first=1.0, largest=1.0),
@@ -87,8 +88,29 @@ def test_set_makes_the_body_and_the_material_that_were_asked_for(here, capsys):
     assert stored["changed"] == ["thickness", "young", "pulled"]
     assert stored["parameters"] == {
         "radius": 0.04, "thickness": 8e-3, "elements": 1, "young": 1500.0, "cortex": 1.05, "base": "roller",
-        "pulled": True,
+        "pulled": True, "strength": 1e-3,
     }  # fmt: skip
+
+
+IDLE = "strength=0.002 change nothing with the other parameters as they are (turingfold list patch)"
+
+
+@pytest.mark.parametrize(
+    ("words", "idle"),
+    [
+        (["run", "patch", "--set", "strength=2e-3"], True),
+        (["run", "patch", "--set", "strength=2e-3", "--set", "pulled=on"], False),
+        (["run", "patch", "--set", "strength=1e-3", "--set", "elements=1"], False),  # as they are by default
+        (["sweep", "patch", "--set", "strength=2e-3", "--vary", "cortex=1.02,1.03"], True),
+        (["sweep", "patch", "--vary", "strength=2e-3,3e-3"], True),
+        (["sweep", "patch", "--vary", "strength=2e-3,3e-3", "--set", "pulled=on"], False),
+    ],
+)
+def test_values_that_change_nothing_are_noted(here, capsys, words, idle):
+    assert main([*words, "--quick"]) == 0
+    told = said(capsys)
+    assert (IDLE in told) == idle
+    assert ("change nothing" in told) == idle
 
 
 def test_the_users_number_of_elements_wins_over_that_of_the_quick_version(here):

@@ -20,11 +20,13 @@ from ..results.units import length_unit, with_error
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure
+from .idle import idle_words, unusual
 from .outcome import STATUSES, Outcome
 from .plan import (
     Planned,
     base_folder,
     changed_words,
+    given_values,
     has_result,
     planned,
     stored_names,
@@ -32,7 +34,7 @@ from .plan import (
 )
 from .progress import watching
 from .request import Request, Running, Telling
-from .status import Answer, Interrupted, complain, say
+from .status import Answer, Interrupted, complain, progress, say
 from .table import write_case_table
 from .workers import Job, run_jobs
 
@@ -49,6 +51,9 @@ def run(request: Request, running: Running) -> Answer:
     chosen = {one.name for one in plan}
     if request.figure is not None:
         _check_figure(case, without_result(base, [name for name in every if name not in chosen]))
+    own, _ = given_values(case, request)
+    if words := idle_words(case, own, unusual(case, own), request.only):
+        progress(f"note: {words}")
     ends = list(outcomes(case, plan, request, running))
     status = finished(ends, case, request)
     begun = [one.name for one in plan if has_result(base, one.name)]

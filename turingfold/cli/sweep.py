@@ -22,13 +22,14 @@ from .case import Case, find_case, folder_name
 from .cluster import LOCAL, run_on_cluster
 from .design import Design, points
 from .figure import save_figure
+from .idle import idle_words, unusual
 from .outcome import STATUSES, Outcome
 from .plan import base_folder, has_result
 from .point import RECORD, Maker, Point, frames_of, is_taken
 from .progress import watching
 from .request import Request, Running, Telling
 from .run import finished
-from .status import Answer, Interrupted, complain, say
+from .status import Answer, Interrupted, complain, progress, say
 from .study import STUDY, TABLE, Rows, described, ended, read_study, write_study
 from .study import collect as collected
 from .workers import run_jobs
@@ -71,6 +72,7 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
     every, maker = points(case, request, design, base, asked.keep)
     plan = [replace(one, running=running) for one in _part(every, asked.task)]
     _check(request, running, asked, plan)
+    _note_idle(case, request, every)
     again = running.resume or (asked.task is not None and not running.overwrite)
     ends = _ended(plan, running, again=again)
     left = deque(one for one in plan if one.name not in ends)
@@ -89,6 +91,18 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
     if few < first - 0.01 and (words := coarseness(few)):
         say(f"note: {words}")
     return _finish(case, request, plan, ends, asked)
+
+
+def _note_idle(case: Case, request: Request, every: Sequence[Point]) -> None:
+    """Say which parameters change nothing at the first point, where another point has another value."""
+    first = next(point for point in every if not point.refused)
+    given = first.given
+    others: dict[str, Any] = {}
+    for name in (name for name in first.varied if name in given):
+        values = [p.given[name] for p in every if not p.refused and p.given[name] != given[name]]
+        others |= {name: values[0]} if values else {}
+    if words := idle_words(case, given, unusual(case, given) | others, request.only):
+        progress(f"note: {words}")
 
 
 def _check(request: Request, running: Running, asked: Asked, plan: Sequence[Point]) -> None:
