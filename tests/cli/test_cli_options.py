@@ -302,3 +302,14 @@ def test_one_bar_for_all_scenes_on_a_terminal(monkeypatch, capsys):
     line = [line for line in capsys.readouterr().err.splitlines() if "%" in line][-1]
     assert "1 of 2 scenes, one [bold] at growth 1.100, about 0 s left" in line
     assert " 75%" in line
+
+
+def test_logs_have_the_command_with_its_options(written):  # noqa: F811
+    case = written(GROWS, step=1.0)
+    assert main(["run", case, "--frames", "2", "--no-errors"]) == 0
+    assert (
+        f" turingfold run {case} --no-errors --frames 2\n" in Path("results/tiny/grows/log.txt").read_text()
+    )
+    assert main(["sweep", case, "--vary", "TangentialGrowth.cortex=1.1"]) == 0
+    log = Path("results/tiny-sweep/cortex=1.1/log.txt").read_text()
+    assert f" turingfold sweep {case} --vary TangentialGrowth.cortex=1.1\n" in log

@@ -40,7 +40,7 @@ class Point:
     every: names of the scenes that the case has with these values.  given: values of the case's parameters.
     parts: values of parts of the scene.  varied: those that the study varies, of both kinds.
     keep: "summary", the record alone; "last", the last state; "all", the kept states and their frames.
-    running: how it is run and kept.  refused: why there can be no such scene.
+    running, command: how it is run, and by which command line.  refused: why there can be no such scene.
     """
 
     case: Path
@@ -55,6 +55,7 @@ class Point:
     quick: bool = False
     keep: str = "last"
     running: Running = Running()  # noqa: RUF009 - frozen
+    command: str = ""
     refused: str = ""
 
     @property
@@ -126,7 +127,7 @@ class Maker:
             scene = with_value(scene, parameter, value)
         scene = point.running.limited(scene)
         provenance = case.provenance(point.given, quick=point.quick)
-        provenance |= {"scenes": list(every), "scene": point.scene}
+        provenance |= {"scenes": list(every), "scene": point.scene, "command": point.command}
         return scene, provenance | ({"parts": dict(point.parts)} if point.parts else {})
 
 

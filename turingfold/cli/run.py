@@ -129,7 +129,13 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
     warnings.simplefilter("ignore", CoarseMeshWarning)  # it is said once, of all scenes
     base = base_folder(case, request)
     jobs = deque(
-        Job(case.path, one.name, running.limited(one.scene), base / folder_name(one.name), one.provenance)
+        Job(
+            case.path,
+            one.name,
+            running.limited(one.scene),
+            base / folder_name(one.name),
+            {**one.provenance, "command": request.words(*running.words())},
+        )
         for one in plan
     )
     for job in jobs:

@@ -70,7 +70,8 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
     case = find_case(request.case)
     base = base_folder(case, request)
     every, maker = points(case, request, design, base, asked.keep)
-    plan = [replace(one, running=running) for one in _part(every, asked.task)]
+    command = request.words(*running.words())
+    plan = [replace(one, running=running, command=command) for one in _part(every, asked.task)]
     _check(request, running, asked, plan)
     _note_idle(case, request, every)
     again = running.resume or (asked.task is not None and not running.overwrite)

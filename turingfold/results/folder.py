@@ -6,6 +6,7 @@ summary.json               numbers of the last state, and how the run ended; non
 states/000012.npz          fields of the state after step 12, exactly; the last state is always there
 frames/000012.vtu, frames.pvd   the same for ParaView
 checkpoint-000012.npz      from which the run goes on bit for bit; the last two are kept
+log.txt                    command, versions, progress, warnings, and how it ended, each with the time
 .lock                      held by the process that writes here, and gone with it
 """
 
@@ -15,12 +16,15 @@ import errno
 import os
 import warnings
 from collections.abc import Mapping
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SolveError
 from ..scene import Scene, reached
 from ..solve.march import Progress
 from ..state import State
@@ -39,6 +43,8 @@ from .files import (
 from .history import History, Row, sound_rows
 from .lock import NAME as LOCK
 from .lock import FolderLock
+from .log import NAME as LOG
+from .log import append, warnings_to
 from .reading import state_of
 
 KEPT_CHECKPOINTS = 2
@@ -71,6 +77,7 @@ class ResultFolder:
         self._history = History(path / "history.csv")
         self._times: dict[int, float] = {}  # of the frames, by step
         self._place = path.stat()
+        self._within = ExitStack()
         try:
             check_folder(path, document, resume=resume, overwrite=overwrite)
             self._claim(document, arrays, resume=resume)
@@ -79,11 +86,18 @@ class ResultFolder:
             raise
 
     def __enter__(self) -> ResultFolder:
-        """Return the folder."""
+        """Return the folder, whose log from now on hears of warnings."""
+        self._within.enter_context(warnings_to(self.log))
         return self
 
-    def __exit__(self, *_: object) -> None:
-        """Close the history and give the folder back."""
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, place: TracebackType | None
+    ) -> None:
+        """Close the history and give the folder back; its log hears of an error that no run expects."""
+        self._within.close()
+        if kind is not None and not issubclass(kind, (SolveError, KeyboardInterrupt)):
+            with suppress(OSError):
+                self.log(f"ended by {kind.__name__}: {error}")
         self._history.close()
         self._lock.release()
 
@@ -93,7 +107,7 @@ class ResultFolder:
         self._clear(*LEFT)
         again = resume and (self.path / "scene.json").exists()
         if not again:
-            self._clear("scene.json", *MADE)
+            self._clear("scene.json", LOG, *MADE)
         if not (again and self._has_body(document)):
             self._write("body.npz", arrays_content(arrays))
         if not again:
@@ -195,6 +209,11 @@ class ResultFolder:
 
     # writing
 
+    def log(self, text: str) -> None:
+        """Add a line to the log."""
+        self._check(self.path)
+        append(self.path / LOG, text)
+
     def add_row(self, row: Row) -> None:
         """Append a row to the history, at once."""
         self._check(self.path)
@@ -252,7 +271,7 @@ def prune(path: Path, *, last: bool) -> None:
 
     What is left can be loaded; it cannot be gone on with.
     """
-    unneeded = ["checkpoint-*.npz"] if last else ["scene.json", "body.npz", *MADE]
+    unneeded = ["checkpoint-*.npz"] if last else ["scene.json", "body.npz", LOG, *MADE]
     for name in SUBFOLDERS:
         if (path / name).is_symlink():
             continue

@@ -20,6 +20,8 @@ from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
 from ..state import State
+from .document import origin
+from .log import is_due
 from .measures import crossings, gyrification
 from .result import FilePath, Result, Row, observe
 from .watch import Tracker, watcher
@@ -100,7 +102,9 @@ def simulate(
     from .folder import ResultFolder
 
     with ResultFolder(Path(out), scene, resume=resume, overwrite=overwrite, case=case, vtu=vtu) as folder:
-        return _Run(scene, frames, watch, trackers, folder, errors=errors is not False).to_the_end()
+        command = str((case or {}).get("command", "simulate"))
+        run = _Run(scene, frames, watch, trackers, folder, errors=errors is not False, command=command)
+        return run.to_the_end()
 
 
 def coarseness(elements: float, remedy: str = "make size= smaller (elements= larger)") -> str:
@@ -129,6 +133,7 @@ class _Run:
     trackers: Sequence[Tracker] = ()
     folder: ResultFolder | None = None
     errors: bool = False
+    command: str = ""
     states: list[State] = field(default_factory=list)
     history: list[Row] = field(default_factory=list)
     parts: dict[str, float] = field(default_factory=dict)  # seconds, without those of the present march
@@ -145,7 +150,9 @@ class _Run:
 
     def to_the_end(self) -> Result:
         """March until the scene's end; whatever stops it, what was reached is kept and summed up."""
+        self._begin_log()
         self.position = self._start()
+        self._log(f"{'goes on' if self.history else 'begins'}: {self._where()}")
         try:
             for step, position in march(self.scene, self.position, self.problem):
                 self._accept(step, position)
@@ -204,6 +211,8 @@ class _Run:
         self.position, self.marching = position, step.seconds
         if perf_counter() - self.saved > CHECKPOINT:
             self._save(position)
+        if is_due(before / self.scene.until, state.time / self.scene.until):
+            self._log(f"{state.time / self.scene.until:4.0%}, {self._where()}")
         if self.folder is not None:
             self.parts["writing"] = self.parts.get("writing", 0.0) + perf_counter() - began
         if self.progress is not None:
@@ -232,11 +241,34 @@ class _Run:
             self._keep(len(self.history), self.states[-1])
         states, history = tuple(self.states), tuple(self.history)
         result = Result(self.scene, states, history, status, message, self._seconds(), self._parts())
+        self._log(f"{status}: {self._where()}" + (f"\n{message}" if message else ""))
         if self.errors and history and status != "interrupted":
             result = self._with_errors(result)
         if self.folder is not None:
             self.folder.summarise(result.summary())
         return result
+
+    def _begin_log(self) -> None:
+        """Write down what is run, and with what."""
+        if self.folder is None:
+            return
+        made = " ".join(f"{name} {own}" for name, own in origin()["versions"].items())
+        self._log(f"{self.command}\n{made}")
+        body = self.scene.body
+        self._log(f"{body.mesh.nelements} triangles, {body.elements_through_cortex:.2g} through the cortex")
+
+    def _where(self) -> str:
+        """Return where the run stands, as text."""
+        last = self.states[-1]
+        iterations = sum(row["newton_iterations"] for row in self.history)
+        return (
+            f"t = {last.time:.6g} of {self.scene.until:g}, growth {largest_growth(last):.4f}, "
+            f"{len(self.history)} steps, {iterations:.0f} iterations, {self._seconds():.1f} s"
+        )
+
+    def _log(self, text: str) -> None:
+        if self.folder is not None:
+            self.folder.log(text)
 
     def _with_errors(self, result: Result) -> Result:
         """Return a result with how far its last numbers are off by the mesh and by the steps."""
