@@ -1,5 +1,6 @@
 """What the pages say runs: their Python, the files they show, their commands; and their tables are true."""
 
+import ast
 import json
 import re
 import shlex
@@ -34,6 +35,27 @@ def test_a_page_runs(page, tmp_path, monkeypatch):
                 command, *words = shlex.split(line, comments=True) or [""]
                 if command == "turingfold":
                     done(words)
+
+
+@pytest.mark.slow
+def test_the_notebook_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads((PAGES / "notebook.ipynb").read_text(encoding="utf-8"))["cells"]
+    names, shown = {}, []
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            *statements, last = ast.parse("".join(cell["source"])).body
+            exec(compile(ast.Module(statements, []), cell["id"], "exec"), names)
+            one = isinstance(last, ast.Expr)  # what a notebook shows
+            kind = ast.Expression(last.value) if one else ast.Module([last], [])
+            value = eval(compile(kind, cell["id"], "eval" if one else "exec"), names)
+            shown.append(value)
+    assert "<svg" in shown[0]._repr_html_()
+    summary = names["result"].summary()
+    assert names["result"].converged
+    assert summary["folds"] == 6
+    assert summary["registration"] > 0.8
+    assert not any(cell.get("outputs") for cell in cells)  # kept out of the history
 
 
 def done(words):
