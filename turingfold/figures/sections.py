@@ -77,7 +77,8 @@ def section(
             axes.plot(*(MM * around(points[:, path.nodes])), color="white", linewidth=0.6, alpha=0.8)
         edge(axes, points, body)
     frame(axes)
-    scale_bar(axes, body)
+    lowest = min(float((body.nodes[1] + one["displacement"][1]).min()) for one in result.states)
+    scale_bar(axes, body, lowest)  # below every state: it keeps its place in a film
     if bar:
         beyond = "max" if field == "von_mises" else "both"
         axes.figure.colorbar(colors, ax=axes, label=label, shrink=0.7, pad=0.02, extend=beyond)
@@ -206,13 +207,16 @@ def section_grid(
     figure.colorbar(colors, ax=grid, label=label, shrink=0.4, aspect=30, extend="max")
 
 
-def scale_bar(axes: Axes, body: Body) -> None:
-    """Draw a scale bar of a round length, about a fifth of the body, below it; see `results.length_unit`."""
+def scale_bar(axes: Axes, body: Body, lowest: float | None = None) -> None:
+    """Draw a scale bar of a round length, about a fifth of the body, below it; see `results.length_unit`.
+
+    lowest: y of what is drawn, m; by default of the undeformed body.
+    """
     x, y = MM * body.nodes
     right, width = x.max(), np.ptp(x) * (2 if body.mirror else 1)
     unit, name = length_unit(body)
     number = round_length(0.2 * width / (MM * unit))
-    length, level = number * MM * unit, y.min() - 0.05 * width
+    length, level = number * MM * unit, (y.min() if lowest is None else MM * lowest) - 0.05 * width
     axes.plot([right - length, right], [level, level], color=INK, linewidth=2.5, solid_capstyle="butt")
     axes.text(
         right - length / 2, level - 0.012 * width, f"{number:g} {name}", ha="center", va="top", color=INK
