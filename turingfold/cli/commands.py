@@ -185,6 +185,13 @@ def _doctor(options: argparse.Namespace) -> Answer:
     return doctor()
 
 
+def _completion(options: argparse.Namespace) -> int:
+    from .completion import completion
+
+    say(completion(options.shell))
+    return 0
+
+
 COMMANDS: Mapping[str, Callable[[argparse.Namespace], int | Answer]] = {
     "run": _run,
     "sweep": _sweep,
@@ -204,4 +211,5 @@ COMMANDS: Mapping[str, Callable[[argparse.Namespace], int | Answer]] = {
     "verify": _verify,
     "atlas": _atlas,
     "doctor": _doctor,
+    "completion": _completion,
 }

@@ -27,6 +27,16 @@ def title(text: str | None) -> str:
     return " ".join((text or "").strip().partition("\n\n")[0].split())
 
 
+def parameter_names(file: Path) -> list[str]:
+    """Return the names of a case's parameters; none of a file that is no case."""
+    try:
+        body = ast.parse(file.read_bytes()).body
+    except (SyntaxError, ValueError):
+        return []
+    made = [item for item in body if isinstance(item, ast.FunctionDef) and item.name == "scenes"]
+    return [argument.arg for function in made for argument in function.args.kwonlyargs]
+
+
 def title_of(file: Path) -> str:
     """Return the title of a case file; raises ValueError for one that is no Python."""
     try:

@@ -17,12 +17,17 @@ from pathlib import Path
 from .parser import parser
 from .status import BAD_INPUT, INTERRUPTED, IO_FAILED, STOPPED, Answer, Interrupted, complain, note, say
 
+ASKED = "_ARGCOMPLETE"  # by a shell: how words go on
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what the command line asks for and return the exit status."""
     commands = parser()
+    if ASKED in os.environ:
+        from .completion import complete
+
+        complete(commands)
     options = commands.parse_args(arguments)
     if options.version:
         from importlib.metadata import version

@@ -25,7 +25,7 @@ def parser() -> argparse.ArgumentParser:
     _add_cases(commands, common)
     _add_results(commands, common)
     _add_theory(commands, common)
-    _add_doctor(commands, common)
+    _add_care(commands, common)
     return top
 
 
@@ -257,8 +257,8 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     atlas.set_defaults(command="atlas")
 
 
-def _add_doctor(commands: Commands, common: argparse.ArgumentParser) -> None:
-    """Add the command that looks at what is installed."""
+def _add_care(commands: Commands, common: argparse.ArgumentParser) -> None:
+    """Add the commands that look at what is installed, and make the shell know the others."""
     doctor = commands.add_parser(
         "doctor", parents=[common], help="what is installed here, and whether it works",
         description="Say which packages and extras are here, whether they work, which factorisation is used, "
@@ -266,3 +266,10 @@ def _add_doctor(commands: Commands, common: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     doctor.add_argument("--json", action="store_true", help="as one JSON object")
     doctor.set_defaults(command="doctor")
+
+    completion = commands.add_parser(
+        "completion", parents=[common], help="completion of words by Tab, for a shell",
+        description='Print what a shell is to run; in ~/.bashrc: eval "$(turingfold completion bash)".',
+    )  # fmt: skip
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"), help="bash, zsh or fish")
+    completion.set_defaults(command="completion")
