@@ -53,6 +53,16 @@ def test_other_commands_are_told_where_parts_are(folder, capsys):
     assert (folder / "film.gif").exists()
 
 
+def test_a_case_with_parts_of_its_own_is_named_as_their_file(folder, capsys):
+    Path("own.py").write_text(EXAMPLE.read_text() + CASE.replace("from springs import Springs\n", ""))
+    assert main(["run", "own.py"]) == 0
+    own = "results/own/one"
+    assert main(["compare", own, own]) == 2
+    assert "--with FILE.py" in " ".join(capsys.readouterr().err.split())
+    assert main(["compare", own, str(folder), "--with", "own.py", "--with", "springs.py"]) == 0
+    assert main(["animate", own, "--with", "own.py"]) == 0
+
+
 def test_a_file_of_parts_that_is_not_there_is_named(folder, capsys):
     assert main(["compare", str(folder), str(folder), "--with", "nowhere.py"]) == 2
     assert "nowhere.py" in capsys.readouterr().err

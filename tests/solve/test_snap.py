@@ -35,6 +35,13 @@ def test_the_flow_ends_at_a_minimum(start):
     assert found.energy == pytest.approx(-0.25, rel=1e-12)
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1e-6])
+def test_too_little_viscosity_at_first_finds_the_way_from_a_saddle_all_the_same(scale):
+    minimiser = Minimiser(2, np.zeros(0, dtype=np.int64), 1e-10, 60)
+    creep = Creep(SymmetricMatrix.of(eye_array(2)), scale, 1.0)
+    assert creep.to_minimum(minimiser, (two_wells(),), np.zeros(2)).energy == pytest.approx(-0.25, rel=1e-12)
+
+
 def test_the_flow_stays_in_the_valley_it_starts_in():
     # E falls along the flow, so from x < 0 it cannot cross the ridge x = 0
     found = flow([-0.05, 3.0])

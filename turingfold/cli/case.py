@@ -146,7 +146,10 @@ def named_parts(files: Iterable[Path]) -> tuple[Any, ...]:
     for file in files:
         if not file.is_file():
             raise ValueError(f"--with {file}: there is no such file; name the one that defines the parts.")
-        found += parts_of(_module(file, file.stem))
+        module = _module(file, file.stem)
+        found += parts_of(module)
+        if callable(getattr(module, "scenes", None)):  # a case with parts of its own, which are stored as its
+            found += load_case(file).known
     return found
 
 

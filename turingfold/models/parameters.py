@@ -41,12 +41,10 @@ GrowthLaw = Annotated[
     str, Parameter(label="what the core's growth follows", choices=("prescribed", "stress"))
 ]
 StressRate = Annotated[float, Parameter("", 1e-3, 1e3, "rate of growth by stress, over modulus and duration")]
-Even = Annotated[float, Parameter("", 0.3, 5, "growth of all tissue, in the plane", remedy=GROWTH)]
 Tension = Annotated[bool, Parameter(label="axons pull (ATH)")]
 Strength = Annotated[float, Parameter("N/m", 0, 10, "line tension of axons on the gray-white interface")]
 Loads = Annotated[str, Parameter(label="what pulls", choices=("tension", "figure1"))]
 Traction = Annotated[float, Parameter("Pa", 0, 5e3, "traction of axons on the pial surface")]
-Patches = Annotated[int, Parameter("", 1, 200, "places where axons pull without a pattern")]
 Pattern = Annotated[bool, Parameter(label="a Turing pattern says where axons pull (IPH)")]
 Kinetics = Annotated[str, Parameter(label="kinetics of the morphogens", choices=tuple(KINETICS))]
 HalfWaves = Annotated[int | None, Parameter("", 1, 200, "half waves along the pial surface")]

@@ -168,7 +168,8 @@ def _function(path: str, table: Mapping[str, Any], place: str) -> Any:
 def _unknown(path: str, place: str) -> ValueError:
     return ValueError(
         f"{place}: the stored scene uses {path}, which is not part of this version of {OWN}; "
-        "pass the class or function itself: load(folder, known=(...,))."
+        "pass the class or function itself: load(folder, known=(...,)); on the command line, --with "
+        "FILE.py names the file that defines it."
     )
 
 

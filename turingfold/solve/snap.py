@@ -118,6 +118,8 @@ class Creep:
     def _pushed(self, potentials: tuple[Potential, ...], found: Equilibrium, mode: Array) -> Array:
         """Return the lower of the two places beside an equilibrium along a mode, (2 n_nodes,), or itself."""
         size = float(np.hypot(*mode.reshape(-1, 2).T).max())
+        if not size:  # none is known before the first stable step
+            return found.x
         push = PUSH * self.thickness / size * mode
         push = push * found.at.largest_step(push)
         sides = [found.x + share * push for share in (1.0, -1.0, 0.1, -0.1)]
