@@ -20,6 +20,12 @@ from .geometry.body import Body
 from .state import State
 
 Fields = dict[str, Array]
+STRESS_FIELDS = (
+    "stress_xx",
+    "stress_yy",
+    "stress_xy",
+    "stress_zz",
+)  # of the 3D Cauchy stress, where it is shown
 
 
 class Part(ABC):

@@ -23,7 +23,7 @@ from turingfold.results.codec import decode, encode
 from turingfold.results.document import difference, stored
 from turingfold.results.files import arrays_content, digest, read_arrays, write_whole, writing
 from turingfold.results.history import read_history
-from turingfold.results.vtu import entries, frame, in_cells, index
+from turingfold.results.vtu import arrays_of, entries, frame, in_cells, index, mesh_of
 
 HERE = Path(__file__).parents[1]
 PARTS = [
@@ -213,7 +213,7 @@ def test_a_read_only_folder_is_an_output_error(tmp_path):
 
 def test_a_frame_opens_in_other_programs(tmp_path, folded):
     body, last = folded.scene.body, folded.last
-    (tmp_path / "f.vtu").write_bytes(frame(body, last, folded.observe()))
+    (tmp_path / "f.vtu").write_bytes(frame(folded.scene, last, folded.observe()))
     mesh = meshio.read(tmp_path / "f.vtu")
     (block,) = mesh.cells
     assert block.type == "triangle6"
@@ -224,13 +224,49 @@ def test_a_frame_opens_in_other_programs(tmp_path, folded):
     straight = mesh.cell_data["layer"][0] == 0
     inner = straight & (np.hypot(*corners.mean(1)[:, :2].T) < 0.8 * body.length)
     np.testing.assert_allclose(middles[inner], expected[inner], atol=1e-14)
-    assert mesh.point_data["displacement"].shape == (body.nodes.shape[1], 3)
-    np.testing.assert_array_equal(mesh.point_data["displacement"][:, :2].T, last["displacement"])
-    assert not mesh.point_data["displacement"][:, 2].any()
-    assert {"von_mises", "pressure", "jacobian", "growth", "layer"} <= set(mesh.cell_data)
+    moves = mesh.point_data["displacement [m]"]
+    assert moves.shape == (body.nodes.shape[1], 3)
+    np.testing.assert_array_equal(moves[:, :2].T, last["displacement"])
+    assert not moves[:, 2].any()
+    assert {"von_mises [Pa]", "pressure [Pa]", "jacobian", "growth", "layer"} <= set(mesh.cell_data)
+    assert mesh.field_data["TimeValue"] == [last.time]
     assert {"activator", "inhibitor", "pattern"} <= set(mesh.point_data)
     in_band = np.isfinite(mesh.point_data["pattern"])
     assert set(np.flatnonzero(in_band)) == set(body.cortex.nodes)
+
+
+def test_a_frame_has_the_whole_stress(folded, tmp_path):
+    observed, file = folded.observe(), tmp_path / "f.vtu"
+    file.write_bytes(frame(folded.scene, folded.last, observed))
+    found = arrays_of(file)
+    stress = found["cauchy_stress"].reshape(-1, 3, 3)
+    np.testing.assert_array_equal(stress, stress.transpose(0, 2, 1))
+    assert not stress[:, 2, :2].any()
+    scale = np.abs(stress).max()
+    pressure = -np.trace(stress, axis1=1, axis2=2) / 3
+    np.testing.assert_allclose(pressure, found["pressure"], atol=1e-12 * scale)
+    for name, (i, j) in {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1), "zz": (2, 2)}.items():
+        np.testing.assert_array_equal(
+            stress[:, i, j], in_cells(folded.scene.body, observed[f"stress_{name}"])
+        )
+    # it bears von Mises' stress at each point
+    xx, yy, xy, zz = (observed[f"stress_{name}"] for name in ("xx", "yy", "xy", "zz"))
+    mises = np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy**2)
+    np.testing.assert_allclose(mises, observed["von_mises"], rtol=1e-9, atol=1e-9 * scale)
+
+
+def test_frames_of_scenes_with_units_of_their_own_and_of_earlier_versions_have_no_units(tmp_path, folded):
+    scene = elastic_scene()  # a radius of 1, a modulus of 1
+    result = simulate(scene)
+    (tmp_path / "own.vtu").write_bytes(frame(scene, result.last, result.observe()))
+    mesh = meshio.read(tmp_path / "own.vtu")
+    assert "displacement" in mesh.point_data
+    assert {"von_mises", "cauchy_stress"} <= set(mesh.cell_data)
+    new, old = tmp_path / "new.vtu", tmp_path / "old.vtu"
+    new.write_bytes(frame(folded.scene, folded.last, folded.observe()))
+    mesh_of(folded.scene.body, folded.last, folded.observe()).write(old)
+    for name, values in arrays_of(old).items():
+        np.testing.assert_array_equal(values, arrays_of(new)[name])
 
 
 def test_cells_have_the_mean_of_their_area():

@@ -140,7 +140,7 @@ def test_observe_at_rest_shows_no_stress(grown):
     fields = grown.observe(0)
     shape = grown.scene.body.quadrature.weights.shape
     assert {name: values.shape for name, values in fields.items()} == dict.fromkeys(
-        ("von_mises", "pressure", "jacobian"), shape
+        ("von_mises", "pressure", "jacobian", "stress_xx", "stress_yy", "stress_xy", "stress_zz"), shape
     )
     assert np.abs(fields["von_mises"]).max() < 1e-12
     assert np.abs(fields["jacobian"] - 1).max() < 1e-13

@@ -132,6 +132,8 @@ def test_energy_is_the_integral_of_the_law(body):
     given = potential.evaluate(x).finish(frozenset({"cauchy_stress"}))["cauchy_stress"]
     for component, (i, j) in zip(given, ((0, 0), (1, 1), (0, 1), (2, 2)), strict=True):
         np.testing.assert_allclose(component, sigma[..., i, j], atol=1e-11 * np.abs(sigma).max())
+    shown = [observed[f"stress_{name}"] for name in ("xx", "yy", "xy", "zz")]
+    np.testing.assert_array_equal(shown, given)
     assert potential.evaluate(x).finish(frozenset()) == {}
     pressure = -np.trace(sigma, axis1=-2, axis2=-1) / 3
     np.testing.assert_allclose(observed["pressure"], pressure, atol=1e-9 * GRAY.kappa)

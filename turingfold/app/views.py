@@ -26,6 +26,7 @@ from ..results.units import length_unit, stress_unit
 from ..results.vtu import arrays_of
 from ..scene import Scene
 
+NOT_DRAWN = ("points", "triangles", "layer", "cauchy_stress")  # by a frame: the same in all, or not at all
 CURVES = ("time", "growth", "gyrification_index", "energy", "min_gap", "seconds")
 
 
@@ -85,7 +86,7 @@ class Views:
     def frame(self, folder: Path, step: int) -> bytes:
         """Return the fields of a state, at nodes (n, ...) or in triangles (e,), `packed`."""
         found = arrays_of(_frame(folder, step))
-        return packed({name: found[name] for name in found if name not in ("points", "triangles", "layer")})
+        return packed({name: found[name] for name in found if name not in NOT_DRAWN})
 
     def section(self, folder: Path, known: tuple[Any, ...], step: int, field: str) -> bytes:
         """Return a picture of a state as PDF; field: as in `figures.section`."""

@@ -51,7 +51,7 @@ KEPT_CHECKPOINTS = 2
 SUBFOLDERS = ("states", "frames")
 LEFT = (".*.part", "states/.*.part", "frames/.*.part")  # by a process that was killed while it wrote
 # bytes for each triangle: of a state, of its frame, of two checkpoints, of what is there once
-STATE_SIZE, FRAME_SIZE, CHECKPOINTS_SIZE, ONCE = 265, 131, 950, 65
+STATE_SIZE, FRAME_SIZE, CHECKPOINTS_SIZE, ONCE = 265, 178, 950, 65
 MADE = ("history.csv", "summary.json", "frames.pvd", "checkpoint-*.npz", "states/*.npz", "frames/*.vtu")
 
 
@@ -227,7 +227,7 @@ class ResultFolder:
         if self._vtu:
             from .vtu import frame
 
-            self._write(f"frames/{name}.vtu", frame(self.scene.body, state, observed))
+            self._write(f"frames/{name}.vtu", frame(self.scene, state, observed))
             self._times[step] = state.time
         self._write_index()
 

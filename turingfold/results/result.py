@@ -228,8 +228,10 @@ class Result:
         return pial_pattern(self.scene.body, self._state(step))
 
     def observe(self, step: int | State = -1) -> dict[str, Array]:
-        """Return von_mises and pressure (Pa), jacobian and what else the terms show, each (q, e).
+        """Return fields at the integration points, each (q, e).
 
+        Of a solid: its Cauchy stress, stress_xx, stress_yy, stress_xy and stress_zz, von_mises and pressure
+        of that, Pa, and jacobian, det F*.
         Raises ValueError for a step that is none of the states'.
         """
         scene, state = self.scene, self._state(step)

@@ -9,6 +9,7 @@ from ..scene import Scene, stress_scale
 
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
 UNSEEN = 1e-4  # smaller errors do not show in four decimals
+STRESSES = ("von_mises", "pressure", "cauchy_stress")
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 
 
@@ -26,6 +27,13 @@ def stress_unit(scene: Scene) -> tuple[float, str]:
     That is 1e3 Pa, "kPa"; for moduli that are no tissue's in Pa, the largest below 10, 1 without a name.
     """
     return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
+
+
+def field_unit(scene: Scene, field: str) -> str:
+    """Return the unit in which a field is stored; none in scenes with units of their own."""
+    if field == "displacement":
+        return "" if scene.body.length > BRAIN else "m"
+    return "Pa" if field in STRESSES and stress_unit(scene)[1] else ""
 
 
 def with_error(number: float, error: float | None) -> str:

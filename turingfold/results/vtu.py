@@ -12,19 +12,45 @@ import numpy as np
 
 from ..arrays import Array
 from ..geometry.body import Body
+from ..parts import STRESS_FIELDS
+from ..scene import Scene
 from ..state import State
 from .files import DAMAGE, CorruptFileError
+from .units import field_unit
 
 if TYPE_CHECKING:
     import meshio
 
+GRID = b"<UnstructuredGrid>"
+UNIT = " ["  # after the name of a field
 
-def frame(body: Body, state: State, observed: Mapping[str, Array]) -> bytes:
-    """Return a VTU file of `mesh_of`; Warp By Vector shows the deformed shape."""
+
+def frame(scene: Scene, state: State, observed: Mapping[str, Array]) -> bytes:
+    """Return a VTU file of `mesh_of`, its fields with their units, and the time.
+
+    Warp By Vector shows the deformed shape.
+    """
+    mesh = mesh_of(scene.body, state, observed)
+    mesh.point_data = {with_unit(scene, name): values for name, values in mesh.point_data.items()}
+    mesh.cell_data = {with_unit(scene, name): values for name, values in mesh.cell_data.items()}
     with tempfile.TemporaryDirectory() as folder:  # meshio writes files only
         file = Path(folder) / "frame.vtu"
-        mesh_of(body, state, observed).write(file, binary=True)
-        return file.read_bytes()
+        mesh.write(file, binary=True)
+        return file.read_bytes().replace(GRID, GRID + _time(state.time), 1)
+
+
+def _time(value: float) -> bytes:
+    """Return the field by which ParaView knows the time of a file; meshio writes none."""
+    array = (
+        f'<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{value!r}</DataArray>'
+    )
+    return f"<FieldData>{array}</FieldData>".encode()
+
+
+def with_unit(scene: Scene, field: str) -> str:
+    """Return the name of a field with its unit, such as "pressure [Pa]"."""
+    unit = field_unit(scene, field)
+    return f"{field}{UNIT}{unit}]" if unit else field
 
 
 def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.Mesh:
@@ -32,7 +58,7 @@ def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.M
 
     At nodes: displacement (m, with a third component 0) and the morphogens, NaN outside the cortex. In
     triangles, averaged over the area: observed (q, e), such as von_mises (Pa), the growth factor along the
-    tangent, and layer (1 gray, 0 white).
+    tangent, layer (1 gray, 0 white), and of a solid its Cauchy stress (Pa), all nine components.
     """
     import meshio
 
@@ -41,6 +67,8 @@ def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.M
     at_nodes: dict[str, Array] = {"displacement": np.zeros_like(points)}
     at_nodes["displacement"][:, :2] = state["displacement"].T
     in_triangles = {name: [in_cells(body, values)] for name, values in observed.items()}
+    if in_triangles.keys() >= set(STRESS_FIELDS):
+        in_triangles["cauchy_stress"] = [_tensor(*(in_triangles.pop(name)[0] for name in STRESS_FIELDS))]
     for name, values in state.fields.items():
         if values.shape == body.cortex.nodes.shape:
             at_nodes[name] = body.spread(body.cortex, values)
@@ -51,8 +79,14 @@ def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.M
     return meshio.Mesh(points, triangles, point_data=at_nodes, cell_data=in_triangles)
 
 
+def _tensor(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
+    """Return all components, row by row, (e, 9)."""
+    none = np.zeros_like(xx)
+    return np.stack([xx, xy, none, xy, yy, none, none, none, zz], axis=1)
+
+
 def arrays_of(file: Path) -> dict[str, Array]:
-    """Return what `frame` wrote: points (n, 3), triangles (e, 6), and the fields at nodes and in triangles.
+    """Return what `frame` wrote: points (n, 3), triangles (e, 6), fields at nodes and in triangles, no units.
 
     Raises CorruptFileError where the file is missing or damaged.
     """
@@ -63,7 +97,8 @@ def arrays_of(file: Path) -> dict[str, Array]:
     except (*DAMAGE, OSError, ElementTree.ParseError, meshio.ReadError) as error:
         raise CorruptFileError(f"{file} cannot be read: {error or type(error).__name__}.") from error
     cells = {name: values[0] for name, values in mesh.cell_data.items()}
-    return {"points": mesh.points, "triangles": mesh.cells[0].data, **mesh.point_data, **cells}
+    fields = {name.partition(UNIT)[0]: values for name, values in (mesh.point_data | cells).items()}
+    return {"points": mesh.points, "triangles": mesh.cells[0].data, **fields}
 
 
 def in_cells(body: Body, values: Array) -> Array:

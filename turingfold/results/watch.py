@@ -21,8 +21,8 @@ TENTHS = 10  # lines of a run whose progress is written to a file
 class Tracker:
     """A function that is called with states of a run while it is made, for what is not to be kept.
 
-    call: takes the state and its fields: von_mises and pressure, Pa, jacobian and what else terms show, each
-    (q, e) at the integration points.  times: at which it is called, in the scene's time: with the first
+    call: takes the state and its fields, as `Result.observe` returns them, each (q, e) at the integration
+    points.  times: at which it is called, in the scene's time: with the first
     accepted state at or after each, which is the state of that very time where a step ends there
     (`Stepping(stops=times)`); without times, with the first state and every accepted one.
     Its errors end the run. A run that goes on (`resume`) calls it for the states from there on.

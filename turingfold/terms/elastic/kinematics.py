@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...geometry.quadrature import Quadrature
+from ...parts import STRESS_FIELDS
 from .projection import negative_parts
 
 
@@ -95,6 +96,11 @@ def cauchy(mu: Array, mean: Array, F: Array, out2: Array, I1: Array, J: Array) -
     level = mean - a * I1 / 3
     xy = a * (F[0, 0] * F[1, 0] + F[0, 1] * F[1, 1])
     return np.stack([a * xx + level, a * yy + level, xy, a * out2 + level])
+
+
+def stress_fields(stress: Array) -> dict[str, Array]:
+    """Return the components of `cauchy` as fields by name."""
+    return dict(zip(STRESS_FIELDS, stress, strict=True))
 
 
 def tangents(

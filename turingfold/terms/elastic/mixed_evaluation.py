@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...parts import Condensed, Fields, Hessian, SearchLine
-from .kinematics import cauchy, deformation, determinant, tangents, von_mises
+from .kinematics import cauchy, deformation, determinant, stress_fields, tangents, von_mises
 from .mixed_energy import MixedEnergy
 from .mixed_points import Kinematics, Law, kinematics, law
 
@@ -193,10 +193,11 @@ class MixedEvaluation(Condensed):
         return found
 
     def observe(self) -> Fields:
-        """Return von Mises stress and pressure (3D Cauchy stress, Pa) and J* at the body's points, (p, e)."""
+        """Return the 3D Cauchy stress, its von Mises stress and pressure, Pa, and J* at the body's points."""
         F, out2, I1, J, pressure = self._shown
         mu = self.potential.operator.integration.spread_back @ self.potential.mu
-        return {"von_mises": von_mises(mu, F, out2, I1, J), "pressure": pressure, "jacobian": J}
+        shown = {"von_mises": von_mises(mu, F, out2, I1, J), "pressure": pressure, "jacobian": J}
+        return shown | stress_fields(cauchy(mu, -pressure, F, out2, I1, J))
 
     def measure(self) -> dict[str, float]:
         """Return the smallest J*."""

@@ -32,6 +32,7 @@ from .kinematics import (
     first_invariant,
     first_loss,
     metric,
+    stress_fields,
     tangents,
     times_symmetric,
     von_mises,
@@ -165,10 +166,13 @@ class ElasticEvaluation(Evaluation):
         return found
 
     def observe(self) -> Fields:
-        """Return von Mises stress, pressure (of the 3D Cauchy stress, Pa) and J*, each (q, e)."""
+        """Return the 3D Cauchy stress, its von Mises stress and pressure (Pa), and J*, each (q, e)."""
         p, m = self.potential, self.potential.metric
-        stress = von_mises(p.mu, deformation(self.H, m.D), m.out2, self.I1, self.J)
-        return {"von_mises": stress, "pressure": -p.kappa * (self.J - 1.0), "jacobian": self.J}
+        F, mean = deformation(self.H, m.D), p.kappa * (self.J - 1.0)
+        shown = {"von_mises": von_mises(p.mu, F, m.out2, self.I1, self.J), "pressure": -mean}
+        return {
+            **shown, "jacobian": self.J, **stress_fields(cauchy(p.mu, mean, F, m.out2, self.I1, self.J)),
+        }  # fmt: skip
 
     def measure(self) -> dict[str, float]:
         """Return the smallest J*."""
