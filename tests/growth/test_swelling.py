@@ -137,6 +137,9 @@ def test_a_solvent_comes_from_a_ventricle_and_clips_to_its_range(body):
     wet = Body(mesh, body.thickness, base="free")
     late = at(Swelling(coefficient=0.5, diffusivity=1.0, source="hole"), wet, 20.0)["concentration"]
     assert late == pytest.approx(1.0, abs=1e-5)
+    start = Swelling(coefficient=0.5, diffusivity=1.0, source="hole").on(wet).start(State(0.0), 0)
+    assert (start["concentration"] == 0).all()
+    assert (start["growth"] == 1).all()  # at rest, as the body is
     early = at(Swelling(coefficient=0.5, diffusivity=1e-4, source="hole"), wet, 0.01)["concentration"]
     assert early.min() == 0.0
     assert early.max() <= 1.0

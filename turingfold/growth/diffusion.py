@@ -52,7 +52,7 @@ class Diffusion:
                 self._found[window] = self._solved(last)
             weights = np.exp(Z * time / last) * DZ / last
             c += 1.0 + np.imag(weights @ self._found[window])
-        c[self.source] = 1.0
+            c[self.source] = 1.0
         return c
 
     def _solved(self, last: float) -> Complexes:
