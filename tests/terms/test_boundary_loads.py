@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from turingfold import BoundaryLoads, Drag, Elastic, NeoHookean, PeakLoads, Scene, semicircle
+from turingfold import BoundaryLoads, Drag, Elastic, NeoHookean, PeakLoads, Scene, human, semicircle
 from turingfold.geometry.mirror import half
 from turingfold.parts import TimeStep
 from turingfold.solve.problem import Problem
@@ -88,6 +88,47 @@ def test_moment_and_virtual_work_are_the_integrals_on_the_circle(spread):
     work = (forces[:, 0] * x * y + forces[:, 1] * (x**2 - y)).sum()
     expected = integral(lambda x, y: force[0] * x * y + force[1] * (x**2 - y))
     assert work == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("spread", ["gaussian", "hat"])
+@pytest.mark.parametrize("waves_on_half", [4, 6])  # a peak at the apex, and a trough between two near peaks
+def test_half_a_body_bears_the_loads_of_the_whole_one(body, spread, waves_on_half):
+    right = half(body)
+
+    def pattern(of):
+        x, y = of.cortex.mesh.doflocs
+        return 0.5 * (1 + np.cos(4 * waves_on_half / 2 * np.arctan2(y, x)))
+
+    places, forces = (0.2, 0.47), ((0.3, -0.2), (1.0, 0.5))
+    given, of_half = (
+        BoundaryLoads(places=p, forces=f, width=0.12, spread=spread)
+        for p, f in (
+            ((*places, *(1 - s for s in places)), (*forces, *((-x, y) for x, y in forces))),
+            (places, forces),
+        )
+    )
+    # distances within and beyond that of the last peak from the mirror
+    pairs = [PeakLoads(strength=2.0, distance=d, width=0.1, spread=spread) for d in (0.2, 0.35)]
+    nearest = np.array([np.hypot(*(body.nodes.T - at).T).argmin() for at in right.nodes.T])
+    inside = right.nodes[0] > 0
+    for load, other in ((given, of_half), *((pair, pair) for pair in pairs)):
+        full = nodal(load, body, pattern=pattern(body))[nearest]
+        part = nodal(other, right, pattern=pattern(right))
+        assert part[inside] == pytest.approx(full[inside], abs=1e-12)
+        assert 2 * part[~inside, 1] == pytest.approx(full[~inside, 1], abs=1e-12)
+
+
+@pytest.mark.parametrize("half_waves", [6, 8])  # three pairs, of which one is across the mirror, and four
+def test_half_a_body_bears_the_evenly_spaced_pairs_of_the_whole_one(body, half_waves):
+    right = half(body)
+    nearest = np.array([np.hypot(*(body.nodes.T - at).T).argmin() for at in right.nodes.T])
+    full, part = (
+        nodal(human.pattern_and_pull(body=b, loads="figure1", pattern=False, half_waves=half_waves)[1][0], b)
+        for b in (body, right)
+    )
+    inside = right.nodes[0] > 0
+    assert np.abs(full).max() > 0
+    assert part[inside] == pytest.approx(full[nearest][inside], abs=1e-12)
 
 
 def test_loads_rise_over_the_ramp(body):

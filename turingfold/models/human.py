@@ -178,18 +178,23 @@ def _pairs(
 ) -> BoundaryLoads:
     """Return pairs of forces that pull together across `count` evenly spaced places of the pial surface.
 
-    Of half a body, on its half of them; pairs that reach beyond an end of the surface are left out.
+    Pairs that reach beyond an end of the surface are left out; half a body has the forces of its half.
     """
     curve = body.pial_curve
-    middles = (np.arange(count) + 0.5) / count * curve.length * (2 if body.mirror else 1)
-    middles = middles[(middles >= distance) & (middles <= curve.length - distance)]
+    length = curve.length * (2 if body.mirror else 1)
+    middles = (np.arange(count) + 0.5) / count * length
+    middles = middles[(middles >= distance) & (middles <= length - distance)]
     ends = np.stack([middles - distance, middles + distance])
-    points = np.stack([np.interp(ends, curve.arc, along) for along in curve.points])
+    beyond = ends > curve.length  # in the other half
+    inside = np.where(beyond, length - ends, ends)
+    x, y = (np.interp(inside, curve.arc, along) for along in curve.points)
+    points = np.stack([np.where(beyond, -x, x), y])
     apart = points[:, 1] - points[:, 0]
     pull = strength * apart / np.hypot(*apart)
+    forces = np.concatenate([pull, -pull], axis=1).T[~beyond.ravel()]
     return BoundaryLoads(
-        places=tuple(np.concatenate([*(ends / curve.length)]).tolist()),
-        forces=tuple(map(tuple, np.concatenate([pull, -pull], axis=1).T.tolist())),
+        places=tuple((ends / length)[~beyond].tolist()),
+        forces=tuple(map(tuple, forces.tolist())),
         width=width,
         ramp=ramp,
     )

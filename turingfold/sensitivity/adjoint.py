@@ -52,10 +52,12 @@ def adjoint_sensitivity(
     measures = measures_of(result, of)
     points = pial_at(result, here.x)
     still = np.zeros(len(here.x))
-    adjoints = np.stack([
-        still if measure is None else here.tangent.solve(gradient_of(result, measure, here.x))
-        for measure in measures.values()
-    ])
+    adjoints = np.stack(
+        [
+            still if measure is None else here.tangent.solve(gradient_of(result, measure, here.x))
+            for measure in measures.values()
+        ]
+    )
     derivatives, errors = np.zeros((len(measures), len(to))), np.zeros(len(to))
     own = np.array([measure is None for measure in measures.values()], dtype=float)
     for k, parameter in enumerate(to):

@@ -33,6 +33,7 @@ class BoundaryLoads(Load):
     forces: (f_x, f_y) of each, N/m (N per m of depth).
     width: of w, m; the standard deviation ("gaussian"), or half the base ("hat").
     ramp: time over which the loads rise.
+    On half a body each has its mirror image, and both act on the half as on the whole.
     A body that nothing holds in some direction bears only loads without resultant (and moment) in it.
     Raises ValueError for places off the surface, and for a width that the mesh does not resolve.
     """
@@ -115,11 +116,16 @@ class PeakLoads(Load):
 
 
 class Spreading:
-    """Forces spread along a body's pial surface."""
+    """Forces spread along a body's pial surface, on half a body together with their mirror images.
+
+    mirrored: whether the surface goes on beyond its start, and beyond its end, in the other half.
+    """
 
     def __init__(self, body: Body, width: float, spread: str) -> None:
         self.line, self.width, self.spread = Line(body, body.pial), width, spread
         curve = self.line.curve
+        held = body.mirror and not curve.closed
+        self.mirrored = tuple(bool(held and curve.points[0, k] == 0) for k in (0, -1))
         arc = self.line.by_edge(curve.arc)
         if curve.closed:
             arc[2, -1] = curve.length
@@ -137,14 +143,26 @@ class Spreading:
             )
 
     def kernel(self, place: float) -> Array:
-        """Return w ds at the integration points, (g, m), for a place given by arc length; the sum is 1."""
-        away = np.abs(self.arc - place)
+        """Return w ds at the integration points for the force along x and along y, (2, g, m).
+
+        place: arc length, beyond a mirrored end that of a place in the other half. The sums are 1; on half a
+        body, where the image pushes the other way along x, that is of the force and its image on the whole.
+        """
+        own = self._shape(place)
+        if not any(self.mirrored):
+            return np.stack([own / own.sum()] * 2)
+        image = self._shape(-place if self.mirrored[0] else 2 * self.line.curve.length - place)
+        return np.asarray(np.stack([own - image, own + image]) / (own + image).sum())
+
+    def _shape(self, place: float) -> Array:
+        away, length = np.abs(self.arc - place), self.line.curve.length
         if self.line.curve.closed:
-            away = np.minimum(away, self.line.curve.length - away)
+            away = np.minimum(away, length - away)
+        elif all(self.mirrored):  # half of a closed surface
+            away = np.minimum(away, 2 * length - away)
         away = away / self.width
         shape = np.exp(-0.5 * away**2) if self.spread == "gaussian" else np.maximum(0.0, 1.0 - away)
-        found = WEIGHTS[:, None] * self.line.speed * shape
-        return np.asarray(found / found.sum())
+        return np.asarray(WEIGHTS[:, None] * self.line.speed * shape)
 
     def centre(self, kernel: Array) -> Array:
         """Return the centre (2,) of a spread force."""
@@ -155,7 +173,7 @@ class Spreading:
         """Return the nodal forces (2 n_nodes,) of spread forces (k, 2)."""
         if not len(kernels):
             return np.zeros(self.line.n_dofs)
-        density = np.einsum("lgm,li->igm", np.stack(kernels), forces)
+        density = np.einsum("ligm,li->igm", np.stack(kernels), forces)
         return self.line.nodal(np.einsum("igm,kg->kim", density, SHAPES))
 
 
@@ -199,25 +217,34 @@ class PeakLoadsOnBody(Operator):
         """Return the loads at the state's time, or None while they are zero."""
         kernels: list[Array] = []
         forces: list[Array] = []
-        line, distance = self.spreading.line, self.term.distance
-        for peak in peaks(line, self.body.spread(self.body.cortex, state["pattern"])[line.nodes]):
+        line, distance, mirrored = self.spreading.line, self.term.distance, self.spreading.mirrored
+        length = line.curve.length
+        values = self.body.spread(self.body.cortex, state["pattern"])[line.nodes]
+        for peak in peaks(line, values, mirrored):
             ends = np.array([peak - distance, peak + distance])
             if line.curve.closed:
-                ends %= line.curve.length
-            elif ends[0] < 0 or ends[1] > line.curve.length:
+                ends %= length
+            elif (ends[0] < 0 and not mirrored[0]) or (ends[1] > length and not mirrored[1]):
                 continue
             pair = [self.spreading.kernel(end) for end in ends]
             apart = self.spreading.centre(pair[1]) - self.spreading.centre(pair[0])
             pull = self.term.strength * apart / np.hypot(*apart)
-            kernels += pair
-            forces += [pull, -pull]
+            # of a pair across the mirror one is the image of the other
+            inside = [not (mirrored[0] and peak == 0), not (mirrored[1] and peak == length)]
+            kernels += [kernel for kernel, one in zip(pair, inside, strict=True) if one]
+            forces += [force for force, one in zip((pull, -pull), inside, strict=True) if one]
         return _risen(self.spreading.forces(kernels, np.array(forces)), self.term.ramp, state.time)
 
 
-def peaks(line: Line, values: Array) -> Array:
-    """Return the arc lengths of the local maxima, of at least 0.5, of values at a line's nodes (n,)."""
-    found, count = [], len(values)
-    arc, length = line.curve.arc, line.curve.length
+def peaks(line: Line, values: Array, mirrored: Sequence[bool] = (False, False)) -> Array:
+    """Return the arc lengths of the local maxima, of at least 0.5, of values at a line's nodes (n,).
+
+    mirrored: whether the values go on beyond the start, and beyond the end, as their mirror image.
+    """
+    count, arc, length = len(values), line.curve.arc, line.curve.length
+    ends = ((0, 1, 0.0), (-1, -2, length))
+    found = [at for one, (k, j, at) in zip(mirrored, ends, strict=True) if one and values[k] > values[j]]
+    found = [at for at in found if values[0 if at == 0 else -1] >= PEAK]
     for k in range(count) if line.curve.closed else range(1, count - 1):
         low, mid, high = (float(values[j % count]) for j in (k - 1, k, k + 1))
         if mid < PEAK or not (mid > low and mid >= high):

@@ -145,13 +145,14 @@ class Turing(Morphogens):
         return self.half_waves // 2
 
     def _begin(self, body: Body, design: Design, seed: int) -> Array:
-        # the steady state plus the fastest deviation, with a peak of the activator in the middle
+        # the steady state plus the fastest deviation, with a peak of the activator at the apex
         found = design.conditions
         level = np.array(found.steady_state)
         size = abs(level["uv".index(found.activator)]) or 1.0
         if self.initial == "mode":
             shape = design.mode.shape
-            if shape[design.middle] < 0 and design.mode.half_waves % 2 == 0:
+            # an odd number on half a body is half of an even one
+            if shape[design.middle] < 0 and (body.mirror or design.mode.half_waves % 2 == 0):
                 shape = -shape
         else:
             shape = self._noise(body, design, seed)
