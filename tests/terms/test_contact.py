@@ -433,6 +433,37 @@ def test_skull_confines_the_folding_brain():
     assert outside["skull"] < radius
 
 
+def test_the_contact_pressure_carries_what_the_stress_does():
+    # a growing half disc under a flat lid: what the lid presses is what passes through each level below it
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1)
+    lid = np.array([[-2.0, 2.0], [1.03, 1.03]])
+    processes = (TangentialGrowth(cortex=1.3, core=1.3, radial_core=1.3),)
+    scene = Scene(
+        body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(skull=lid)),
+        processes=processes,
+    )  # fmt: skip
+    fields = (result := simulate(scene)).observe()
+    pressure = fields["contact_pressure"]
+    assert pressure.min() == 0.0
+    np.testing.assert_array_equal(pressure, np.broadcast_to(pressure[0], pressure.shape))
+    x, y = body.nodes + result.last["displacement"]
+    facets = body.mesh.boundary_facets()
+    start, end = body.mesh.facets[:, facets]
+    middle, triangle = body.mesh.nvertices + facets, body.mesh.f2t[0, facets]
+    length = sum(np.hypot(x[b] - x[a], y[b] - y[a]) for a, b in ((start, middle), (middle, end)))
+    above = y[middle] > 0.95  # at its foot the body presses on the base line too
+    pressed = float(pressure[0, triangle[above]] @ length[above])
+    # where the lid presses, the forces of the stress balance it; elsewhere they vanish
+    scene = result.scene
+    elastic = scene.terms[0].on(body).during(result.last, TimeStep(1.0, over=True))
+    forces = elastic.evaluate(by_node(result.last["displacement"])).gradient()[0].reshape(-1, 2)
+    assert pressed > 0.5
+    assert np.hypot(*forces[y > 0.95].T).sum() == pytest.approx(pressed, rel=1e-3)
+    assert -forces[y > 0.95, 1].sum() == pytest.approx(pressed, rel=0.01)  # across a flat lid
+    assert "contact_pressure" in result.observe(0)
+    assert not result.observe(0)["contact_pressure"].any()
+
+
 def test_skull_too_close():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)
     with pytest.raises(ValueError, match="skull"):

@@ -9,7 +9,7 @@ from ..scene import Scene, stress_scale
 
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
 UNSEEN = 1e-4  # smaller errors do not show in four decimals
-STRESSES = ("von_mises", "pressure", "cauchy_stress")
+STRESSES = ("von_mises", "pressure", "contact_pressure", "cauchy_stress")
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 
 

@@ -97,6 +97,8 @@ class ContactOperator(Operator):
         shortest = float(min(np.hypot(*(middle - one).T).min() for one in (start, end)))
         self.unit, self.dhat = body.length, term.gap * shortest / body.length
         self.shortest, self.apart = shortest / body.length, APART * self.dhat
+        self.triangles = body.mesh.f2t[0, boundary[1] - body.mesh.nvertices]  # of the body's edges, (m,)
+        self.at_points = body.quadrature.weights.shape
         triangles = bounding(body, boundary)
         self.nodes = np.unique(triangles)
         share = (1 + APART) * term.gap
@@ -211,12 +213,17 @@ class ContactEvaluation(Evaluation):
         self.energy = scale * (apart + sum(pairs.energy for pairs in self.pairs))
         self.round_off = 1e-15 * self.energy
 
-    @cached_property
-    def _forces(self) -> Array:
+    def _wall_forces(self) -> Array:
+        """Return what walls that touch give to each node, (n, 2), in units of the operator's."""
         operator, share = self.operator, self.walls.share
         forces = operator.barrier.gradient(self.collisions, self.walls.mesh, self.positions)
-        by_node = np.zeros_like(operator.rest)
+        by_node: Array = np.zeros_like(operator.rest)
         by_node[: len(operator.nodes)] = (share.T @ forces[: share.shape[0]]).reshape(-1, 2)
+        return by_node
+
+    @cached_property
+    def _forces(self) -> Array:
+        operator, by_node = self.operator, self._wall_forces()
         for pairs in self.pairs:
             pairs.add_forces(by_node)
         return np.asarray(by_node[: len(operator.nodes)].ravel() * (self.scale / operator.unit))
@@ -270,6 +277,25 @@ class ContactEvaluation(Evaluation):
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return of how many chords each edge is made, (1, m)."""
         return {CHORDS: self.walls.counts[None].astype(float)}
+
+    def observe(self) -> Fields:
+        """Return the contact pressure in the triangles at the boundary, 0 in others; (q, e), Pa.
+
+        What walls that touch give to an edge's nodes, over its length now; a node gives each of its edges
+        the same share.
+        """
+        operator = self.operator
+        points, triangles = operator.at_points
+        pressure = np.zeros((points, triangles))
+        if not self.collisions.empty():
+            forces = np.hypot(*self._wall_forces().T) * (self.scale / operator.unit)
+            edges = operator.edges[:, : len(operator.triangles)]  # those of obstacles come last
+            start, middle, end = (self.points[nodes] * operator.unit for nodes in edges)
+            lengths = np.hypot(*(middle - start).T) + np.hypot(*(end - middle).T)
+            shared = forces / np.maximum(np.bincount(edges.ravel(), minlength=len(forces)), 1)
+            found = shared[edges].sum(axis=0) / lengths
+            pressure += np.bincount(operator.triangles, found, minlength=triangles)
+        return {"contact_pressure": pressure}
 
     def measure(self) -> dict[str, float]:
         """Return the smallest distance between walls, m, or NaN while none are closer than 2 dhat."""

@@ -9,6 +9,7 @@ const CUTS = 4; // of an element's edge
 export const FIELDS = {
   von_mises: {title: "von Mises stress", stress: true}, activator: {title: "Activator"}, growth: {title: "Growth along the surface", from: 1},
   layer: {title: "Layers and mesh"}, pressure: {title: "Pressure", stress: true, centred: true}, jacobian: {title: "Elastic volume ratio J*", centred: true},
+  contact_pressure: {title: "Contact pressure", stress: true, few: true},
 };
 
 /** Return the arrays by name that the server packed. */
@@ -77,10 +78,11 @@ export function box(places, mirror) {
   return mirror ? [Math.min(l, -r), b, Math.max(r, -l), t] : [l, b, r, t];
 }
 
-/** Return the limits of a field's colours: what all but 1 % of the elements stay within. */
+/** Return the limits of a field's colours: what all but 1 % of the elements stay within, or of the few that have any. */
 export function limits(values, field) {
-  const sorted = Float32Array.from(values).filter(Number.isFinite).sort(), last = sorted.length - 1;
-  const {from = 0, centred} = FIELDS[field];
+  const {from = 0, centred, few} = FIELDS[field];
+  const sorted = Float32Array.from(values).filter(value => few ? value > 0 : Number.isFinite(value)).sort(), last = sorted.length - 1;
+  if (few) return [0, last < 0 ? 1e-9 : sorted[Math.floor(0.9 * last)]];
   const low = centred ? sorted[Math.floor(0.01 * last)] : Math.min(from, sorted[Math.floor(0.01 * last)]), high = sorted[Math.ceil(0.99 * last)];
   return high > low ? [low, high] : [low, low + Math.max(1e-9, Math.abs(low) * 0.01)];
 }
