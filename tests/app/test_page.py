@@ -78,6 +78,8 @@ def test_a_visit(page, browser, address):
     page.select_option("#case", "figure3")
     expect(page.locator("#scene option")).to_have_text(["three hypotheses"])
     expect(page.locator("#knob-kinetics option")).to_have_count(10)
+    expect(page.locator("#knob-half_waves")).to_have_value("")  # the case chooses
+    expect(page.locator("#knob-half_waves")).to_have_attribute("placeholder", "auto")
     page.select_option("#case", "tiny")
     expect(page.locator("#scene option")).to_have_count(2)
     expect(page.locator("#knob-thickness")).to_have_value("8")  # mm

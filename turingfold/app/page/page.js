@@ -6,7 +6,7 @@ import {FIELDS, box, draw, limits, outlined, places, unpacked} from "./picture.j
 const $ = id => document.getElementById(id);
 const SHOWN = {m: ["mm", 1e-3], Pa: ["kPa", 1e3]};
 const MAIN = ["radius", "thickness", "young_gray", "young_white", "poisson"];
-const LAST = ["elements", "seed", "steps", "until"];
+const LAST = ["elements", "halved", "dynamics", "duration", "seed", "steps", "until"];
 const UNDER_WAY = ["starting", "running"];
 const POLL = 250, LIST = 2500; // ms
 const page = {cases: new Map(), case: null, scene: "", values: {}, a: null, b: null, live: true, playing: null, failed: false};
@@ -41,6 +41,7 @@ const valueOf = one => one.name in page.values ? page.values[one.name] : usual(o
 
 function reach(one, value) {
   const [low, high] = [one.low ?? -Infinity, one.high ?? Infinity];
+  if (value === null) return [low, Math.min(high, low + 59)]; // the case chooses it
   if (!value) return [Math.max(low, -1), Math.min(high, one.kind === "int" ? 20 : 1)];
   const [near, far] = value > 0 ? [value / 3, 3 * value] : [3 * value, value / 3];
   return [Math.max(low, near), Math.min(high, far)];
@@ -52,9 +53,9 @@ function change(one, value) {
 }
 
 function knob(one) {
-  const [unit, factor] = unitOf(one), shown = value => Number((value / factor).toPrecision(10));
+  const [unit, factor] = unitOf(one), shown = value => value === null ? "" : Number((value / factor).toPrecision(10));
   const bounds = one.low === null && one.high === null ? "" : `, ${one.low === null ? "" : `from ${shown(one.low)} `}${one.high === null ? "" : `to ${shown(one.high)} `}${unit}`;
-  const row = make("div", {className: "knob", title: `${one.label || one.name}${bounds.trimEnd()}\nusually ${one.kind === "bool" ? (usual(one) ? "on" : "off") : typeof usual(one) === "number" ? shown(usual(one)) : usual(one)} ${unit}\non the command line: --set ${one.name}=`});
+  const row = make("div", {className: "knob", title: `${one.label || one.name}${bounds.trimEnd()}\nusually ${one.kind === "bool" ? (usual(one) ? "on" : "off") : typeof usual(one) === "number" ? shown(usual(one)) : usual(one) ?? "chosen by the case"} ${unit}\non the command line: --set ${one.name}=`});
   const label = make("span", {textContent: one.label || one.name}), mark = () => row.classList.toggle("changed", one.name in page.values);
   const id = `knob-${one.name}`;
   if (one.kind === "bool") {
@@ -68,15 +69,15 @@ function knob(one) {
   } else {
     const whole = one.kind === "int", [low, high] = reach(one, usual(one)), digits = Math.floor(Math.log10((high - low) / factor / 100));
     const set = (text, from) => {
-      const given = Number(text);
-      if (text.trim() === "" || !Number.isFinite(given)) return;
-      change(one, whole ? Math.round(given) : Number((given * factor).toPrecision(10)));
+      const given = Number(text), empty = text.trim() === "";
+      if (empty ? usual(one) !== null : !Number.isFinite(given)) return;
+      change(one, empty ? null : whole ? Math.round(given) : Number((given * factor).toPrecision(10)));
       mark();
       if (from === slider) number.value = shown(valueOf(one)); else slider.value = given;
     };
     const step = whole ? 1 : 10 ** digits;
     const slider = make("input", {type: "range", min: whole ? Math.ceil(low) : Math.ceil(low / factor / step) * step, max: whole ? Math.floor(high) : high / factor, step, ariaLabel: one.label, oninput: () => set(slider.value, slider)});
-    const number = make("input", {type: "number", id, step: "any", oninput: () => set(number.value, number)});
+    const number = make("input", {type: "number", id, step: "any", placeholder: usual(one) === null ? "auto" : "", oninput: () => set(number.value, number)});
     slider.value = number.value = shown(valueOf(one));
     if (unit) label.append(" ", make("small", {textContent: unit}));
     row.append(label, number, slider);
@@ -87,9 +88,9 @@ function knob(one) {
 
 function layOut() {
   const every = page.case.parameters, main = MAIN.map(name => every.find(one => one.name === name)).filter(Boolean);
-  const rest = every.filter(one => !main.includes(one)), switches = rest.filter(one => one.kind === "bool");
-  const words = rest.filter(one => one.kind === "str"), numbers = rest.filter(one => !["bool", "str"].includes(one.kind));
-  const [course, physics] = [true, false].map(last => numbers.filter(one => LAST.includes(one.name) === last));
+  const course = every.filter(one => LAST.includes(one.name)), rest = every.filter(one => ![...main, ...course].includes(one));
+  const [switches, words] = ["bool", "str"].map(kind => rest.filter(one => one.kind === kind));
+  const physics = rest.filter(one => !["bool", "str"].includes(one.kind));
   const groups = [["Body and tissue", main], ["Hypotheses", switches], ["Choices", words], [main.length ? "Growth, pattern and pull" : "Parameters", physics], ["Mesh and course", course]];
   $("controls").replaceChildren(...groups.filter(group => group[1].length).flatMap(([title, some]) => [make("h2", {textContent: title}), ...some.map(knob)]),
     make("button", {textContent: "Back to the case's values", onclick: () => { page.values = {}; layOut(); keepLink(); }}));
