@@ -161,12 +161,12 @@ def test_a_sweep_over_parameters_has_true_bodies(here):
     rows = table(folder)
     assert len(rows) == 6
     for row in rows:
-        thickness, radius = float(row["thickness"]), float(row["radius"])
+        thickness, radius = float(row["thickness [m]"]), float(row["radius [m]"])
         assert row["status"] == "converged"
         body = load(folder / row["scene"].replace(", ", "-")).scene.body
         assert mean_thickness(body) == pytest.approx(thickness, rel=0.01)
         assert body.pial_curve.length == pytest.approx(np.pi * radius, rel=0.01)
-    assert {(float(r["thickness"]), float(r["radius"])) for r in rows} == {
+    assert {(float(r["thickness [m]"]), float(r["radius [m]"])) for r in rows} == {
         (t, r) for t in (4e-3, 6e-3, 8e-3) for r in (0.03, 0.05)
     }
 
@@ -178,7 +178,7 @@ def test_parameters_and_values_of_parts_are_varied_together(here):
     assert [row["scene"] for row in rows] == [
         f"cortex={cortex}, mu={mu}" for cortex in ("1.02", "1.05") for mu in (300, 500)
     ]
-    energies = [float(row["energy"]) for row in rows]
+    energies = [float(row["energy [J/m]"]) for row in rows]
     assert energies[1] > energies[0]  # stiffer
     assert energies[2] > energies[0]  # more growth
 

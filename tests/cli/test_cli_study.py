@@ -75,6 +75,17 @@ def test_a_longer_sobol_study_has_the_points_of_the_shorter():
     assert [one.identity for one in many][:3] == [one.identity for one in few]
 
 
+def test_a_table_of_points_may_say_the_units_that_the_table_of_a_study_has():
+    Path("table.csv").write_text("thickness [m],cortex\n0.008,1.1\n0.009,1.2\n")
+    assert [one.varied for one in plan(table=Path("table.csv"))] == [
+        {"thickness": 0.008, "cortex": 1.1}, {"thickness": 0.009, "cortex": 1.2},
+    ]  # fmt: skip
+    assert main(["sweep", "patch", "--points", "table.csv", "--keep", "summary"]) == 0
+    heads = list(table()[0])
+    assert heads[1:3] == ["thickness [m]", "cortex"]
+    assert {"energy [J/m]", "sulcal_depth [m]", "growth", "seconds"} <= set(heads)
+
+
 def test_the_rows_of_a_table_are_points_and_a_bad_one_is_refused():
     Path("table.csv").write_text("cortex, TangentialGrowth.core\n1.1, 1.02\n1.2, 1.03\n9, 1.04\n")
     found = plan("young=500,900", table=Path("table.csv"))
@@ -96,6 +107,8 @@ def test_the_rows_of_a_table_are_points_and_a_bad_one_is_refused():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("thickness [mm]\n3\n", r"thickness \[mm\]: its values are in m; convert"),
+        ("cortex [m]\n1\n", r"cortex \[m\]: it has no unit"),
         ("cortx\n1\n", "no parameter cortx; did you mean cortex"),
         ("cortex\n", "lines of values"),
         ("cortex,young\n1.1\n", "line 2 must have 2 values: cortex, young"),
@@ -179,11 +192,11 @@ def test_a_study_goes_on_and_grows_and_another_case_is_not_mixed_in(capsys):
     assert "3 points, 2 of them done" in capsys.readouterr().out
     assert first.stat().st_mtime_ns == before
     assert [row["scene"] for row in table()] == ["cortex=1.1", "cortex=1.2", "cortex=1.3"]
-    energy = float(table()[0]["energy"])
+    energy = float(table()[0]["energy [J/m]"])
     Path("patch.py").write_text(CASE.replace("0.4)", "0.3)"))
     assert main([*words, "cortex=1.1", "--resume"]) == 0
     assert first.stat().st_mtime_ns > before  # another case: run again
-    assert float(table()[0]["energy"]) < 0.95 * energy
+    assert float(table()[0]["energy [J/m]"]) < 0.95 * energy
 
 
 def test_a_case_that_changes_under_way_fails_its_points_and_no_more():
@@ -210,6 +223,7 @@ def test_a_table_is_also_parquet_with_units():
     assert main(["sweep", "patch", "--keep", "summary", "--vary", "base=roller,free"]) == 0
     found = parquet.read_table(STUDY / "sweep.parquet")
     assert found.column("base").to_pylist() == ["roller", "free"]
+    assert found.schema.field("energy").metadata == {b"unit": b"J/m"}
     assert found.schema.field("sulcal_depth").metadata == {b"unit": b"m"}
     assert found.column("gyrification_index").to_pylist() == [float(r["gyrification_index"]) for r in table()]
 

@@ -18,11 +18,23 @@ from small import elastic_scene, folding_scene
 from test_results import Breaks
 
 import turingfold
-from turingfold import CorruptFileError, OutputError, Stepping, StoppedError, load, simulate
+from turingfold import (
+    CorruptFileError,
+    Elastic,
+    NeoHookean,
+    OutputError,
+    Scene,
+    Stepping,
+    StoppedError,
+    TangentialGrowth,
+    load,
+    semicircle,
+    simulate,
+)
 from turingfold.results.codec import decode, encode
 from turingfold.results.document import difference, stored
 from turingfold.results.files import arrays_content, digest, read_arrays, write_whole, writing
-from turingfold.results.history import read_history
+from turingfold.results.history import History, read_history
 from turingfold.results.vtu import arrays_of, entries, frame, in_cells, index, mesh_of
 
 HERE = Path(__file__).parents[1]
@@ -307,6 +319,29 @@ def test_a_stored_result_comes_back(finished):
     assert len(found.states) == 4
     assert [t for t, _ in entries((folder / "frames.pvd").read_bytes())] == [s.time for s in found.states]
     assert len(list(folder.glob("checkpoint-*.npz"))) == 2
+
+
+def test_the_history_has_units_in_its_file_and_none_in_its_rows(tmp_path):
+    solid = Elastic(gray=NeoHookean(mu=500.0, kappa=2500.0))
+    body, grow = semicircle(radius=0.04, thickness=0.01, size=0.01), TangentialGrowth(cortex=1.1)
+    scene = Scene(body=body, terms=(solid,), processes=(grow,), stepping=Stepping(first=0.5, largest=0.5))
+    result, file = simulate(scene, tmp_path / "out"), tmp_path / "out" / "history.csv"
+    new = file.read_bytes()
+    assert new.startswith(
+        b"time,growth,energy [J/m],newton_iterations,factorizations,min_jacobian,min_gap [m]"
+    )
+    rows = [row | {"min_gap": 0.0} for row in result.history]  # there is no gap without contact
+    assert [row | {"min_gap": 0.0} for row in load(tmp_path / "out").history] == rows
+    old = History(file)  # as earlier versions wrote it
+    old.rows = read_history(tmp_path / "out")
+    old.rewrite()
+    old.close()
+    assert file.read_bytes().startswith(b"time,growth,energy,newton")
+    assert [row | {"min_gap": 0.0} for row in load(tmp_path / "out").history] == rows
+    simulate(scene, tmp_path / "out", resume=True)
+    assert file.read_bytes() == new
+    simulate(elastic_scene(), tmp_path / "own")  # in units of its own
+    assert b"[" not in (tmp_path / "own" / "history.csv").read_bytes()
 
 
 def test_versions_and_seed_are_kept(finished):

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..models.declared import Declared, find
+from ..results.units import without_unit
 from ..scene import Scene
 from ..studies.sampling import sampled
 from ..studies.sweep import check_lists, is_part, name_of, read_values
@@ -166,13 +167,16 @@ def _rows(case: Case, file: Path) -> Iterator[_Values]:
     """Yield the rows of a table, a column for each parameter; a bad value is kept as it is, and refused."""
     with file.open(newline="", encoding="utf-8-sig") as opened:
         table = csv.DictReader(opened, skipinitialspace=True)
-        names = [name.strip() for name in table.fieldnames or ()]
+        heads = [without_unit(name.strip()) for name in table.fieldnames or ()]
+        names = [name for name, _ in heads]
         rows = [list(row.values()) for row in table]
         if not names or not rows or len(set(names)) < len(names):
             raise ValueError(f"{file} must have a line of different parameter names, and lines of values.")
-        for name in names:
-            if not is_part(name):
-                find(case.parameters, name)
+        for name, unit in heads:
+            meaning = None if is_part(name) else find(case.parameters, name).meaning
+            if unit and (meaning is None or unit != meaning.unit):
+                known = f"its values are in {meaning.unit}" if meaning and meaning.unit else "it has no unit"
+                raise ValueError(f"{file}: {name} [{unit}]: {known}; convert the values, and say so.")
     for line, cells in enumerate(rows, 2):
         if len(cells) != len(names) or not all(isinstance(cell, str) and cell.strip() for cell in cells):
             raise ValueError(f"{file}, line {line} must have {len(names)} values: {', '.join(names)}.")

@@ -14,6 +14,7 @@ from typing import Any
 from ..models.declared import as_text
 from ..results.files import CorruptFileError, json_content, read_json, unsigned, write_whole
 from ..results.lock import writer
+from ..results.units import with_unit
 from ..studies.columns import NUMBERS, Column
 from .case import Case, folder_name
 from .outcome import Outcome
@@ -25,8 +26,11 @@ TABLE = "sweep.csv"
 LAST = ("message",)
 
 
-def described(case: Case, plan: Sequence[Point], command: str) -> dict[str, Any]:
-    """Return what study.json says: everything that its points are made of, and what its columns are."""
+def described(case: Case, plan: Sequence[Point], command: str, *, si: bool) -> dict[str, Any]:
+    """Return what study.json says: everything that its points are made of, and what its columns are.
+
+    si: whether numbers are in SI units, and not in units of the case's own.
+    """
     first = plan[0]
     columns = {}
     for name in first.varied:
@@ -36,7 +40,7 @@ def described(case: Case, plan: Sequence[Point], command: str) -> dict[str, Any]
         }  # fmt: skip
     return {
         "case": case.name, "case_sha256": first.sha256, "quick": first.quick, "keep": first.keep,
-        "command": command, "columns": columns,
+        "command": command, "si": si, "columns": columns,
         "points": [
             {"name": one.name, "identity": one.identity, "varied": dict(one.varied)} for one in plan
         ],
@@ -62,8 +66,10 @@ def write_study(base: Path, study: Mapping[str, Any]) -> None:
 class Rows:
     """The table of a study, which grows as its points end; at last it is in their order."""
 
-    def __init__(self, file: Path, plan: Sequence[Point], ends: Mapping[str, Outcome]) -> None:
-        self.file, self.columns = file, columns(plan[0].varied)
+    def __init__(
+        self, file: Path, plan: Sequence[Point], ends: Mapping[str, Outcome], study: Mapping[str, Any]
+    ) -> None:
+        self.file, self.columns = file, columns(study)
         self._varied = {one.name: one.varied for one in plan}
         self._ends = dict(ends)
         self._write()
@@ -79,14 +85,21 @@ class Rows:
 
     def _write(self) -> list[list[Any]]:
         rows = [row(own, self._ends[name]) for name, own in self._varied.items() if name in self._ends]
-        write_table(self.file, self.columns, rows)
+        write_table(self.file, with_units(self.columns), rows)
         return rows
 
 
-def columns(varied: Mapping[str, Any]) -> dict[str, str]:
-    """Return the columns of a study's table with their units."""
-    units = {name: column.unit for name, column in NUMBERS.items()}
-    return {"scene": "", **dict.fromkeys(varied, ""), "status": "", **units, **dict.fromkeys(LAST, "")}
+def columns(study: Mapping[str, Any]) -> dict[str, str]:
+    """Return the columns of a study's table with their units; study: what `described` says."""
+    varied = {name: str(own["unit"]) for name, own in study["columns"].items()}
+    si = study.get("si", True)  # studies of earlier versions do not say it
+    units = {name: column.unit if si else "" for name, column in NUMBERS.items()}
+    return {"scene": "", **varied, "status": "", **units, **dict.fromkeys(LAST, "")}
+
+
+def with_units(heads: Mapping[str, str]) -> list[str]:
+    """Return columns as the first line of a table has them."""
+    return [with_unit(name, unit) for name, unit in heads.items()]
 
 
 def row(varied: Mapping[str, Any], end: Outcome) -> list[Any]:
@@ -129,8 +142,8 @@ def collect(base: Path) -> tuple[Path, list[Outcome]]:
     """Write a study's table from the records of its points; return its file, and how each ended."""
     study, ends = gathered(base)
     rows = [row(point["varied"], end) for point, end in zip(study["points"], ends, strict=True)]
-    heads = columns(study["points"][0]["varied"])
-    write_table(base / TABLE, heads, rows)
+    heads = columns(study)
+    write_table(base / TABLE, with_units(heads), rows)
     write_parquet((base / TABLE).with_suffix(".parquet"), heads, rows)
     return base / TABLE, ends
 

@@ -18,6 +18,7 @@ from ..results.folder import expected_size
 from ..results.lock import FolderLock
 from ..results.result import Result, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
+from ..results.units import is_si
 from .case import Case, find_case, folder_name
 from .cluster import LOCAL, run_on_cluster
 from .design import Design, points
@@ -81,8 +82,9 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
     with writing(base):
         base.mkdir(parents=True, exist_ok=True)
     with nullcontext() if asked.task else _locked(base):
-        _begin(base, described(case, every, request.words()), asked.task)
-        table = Rows(base / _table(asked.task), plan, ends)
+        study = described(case, every, request.words(), si=all(map(is_si, maker.latest.values())))
+        _begin(base, study, asked.task)
+        table = Rows(base / _table(asked.task), plan, ends, study)
         for end in _run(left, request, running, asked, maker):
             ends[end.name] = end
             table.add(end)

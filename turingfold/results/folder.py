@@ -17,6 +17,7 @@ import os
 import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -46,6 +47,7 @@ from .lock import FolderLock
 from .log import NAME as LOG
 from .log import append, warnings_to
 from .reading import state_of
+from .units import stored_unit
 
 KEPT_CHECKPOINTS = 2
 SUBFOLDERS = ("states", "frames")
@@ -74,7 +76,7 @@ class ResultFolder:
             path.mkdir(parents=True, exist_ok=True)
         with writing(path / LOCK):
             self._lock = FolderLock(path)
-        self._history = History(path / "history.csv")
+        self._history = History(path / "history.csv", partial(stored_unit, scene))
         self._times: dict[int, float] = {}  # of the frames, by step
         self._place = path.stat()
         self._within = ExitStack()

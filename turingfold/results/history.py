@@ -1,5 +1,7 @@
 """history.csv: a row per accepted step; an empty cell where a number does not exist.
 
+Names stand there with their units, such as "energy [J/m]"; where they are read, without.
+
 The last column is the CRC-32 of the line before it and of all lines above: a changed digit is noticed.
 """
 
@@ -8,7 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TextIO
 from zlib import crc32
@@ -16,6 +18,7 @@ from zlib import crc32
 import numpy as np
 
 from .files import CorruptFileError, open_unlinked, read_bytes, write_whole, writing
+from .units import with_unit, without_unit
 
 Row = dict[str, float]
 
@@ -29,8 +32,9 @@ CHECK = "crc32"
 class History:
     """The file while it is written: rows are appended, and all are written anew when columns are added."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, unit: Callable[[str], str] = lambda name: "") -> None:
+        """Begin with no rows; unit: of the numbers of a name."""
+        self.path, self._unit = path, unit
         self.rows: list[Row] = []
         self._columns: list[str] = []
         self._check = 0
@@ -51,7 +55,8 @@ class History:
         extra = {name for row in self.rows for name in row} - set(COLUMNS)
         self._columns, self._check = [*COLUMNS, *sorted(extra)], 0
         self.close()
-        table = ",".join(self._columns) + "\n" + lines(self.rows, self._columns)
+        names = (with_unit(name, self._unit(name)) for name in self._columns)
+        table = ",".join(names) + "\n" + lines(self.rows, self._columns)
         head, *rows = table.splitlines(keepends=True)
         self._check = crc32(head.encode())
         signed = f"{head.rstrip()},{CHECK}\n" + "".join(map(self._signed, rows))
@@ -89,7 +94,8 @@ def sound_rows(content: bytes) -> tuple[list[Row], str]:
     names, _, last = head.rpartition(b",")
     if last != CHECK.encode():
         return [], "its first line is damaged"
-    columns, check = names.decode(errors="replace").split(","), crc32(names + b"\n")
+    columns = [without_unit(name)[0] for name in names.decode(errors="replace").split(",")]
+    check = crc32(names + b"\n")
     rows: list[Row] = []
     for k, line in enumerate(lines_after):
         numbers, _, found = line.rpartition(b",")

@@ -8,9 +8,23 @@ from ..geometry.body import Body
 from ..scene import Scene, stress_scale
 
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
+UNITS_THEMSELVES = ("seconds",)
+LENGTHS = ("displacement", "min_gap")
+ENERGIES = ("energy", "kinetic_energy", "drag_work", "damping_work")
 UNSEEN = 1e-4  # smaller errors do not show in four decimals
 STRESSES = ("von_mises", "pressure", "contact_pressure", "cauchy_stress")
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
+
+
+def with_unit(name: str, unit: str) -> str:
+    """Return a name with its unit, "pressure [Pa]"; as it is without one, and where it says it."""
+    return name if not unit or name in UNITS_THEMSELVES else f"{name} [{unit}]"
+
+
+def without_unit(name: str) -> tuple[str, str]:
+    """Return the name and the unit, "" for none, of `with_unit`."""
+    plain, bracket, unit = name.partition(" [")
+    return (plain, unit[:-1]) if bracket and unit.endswith("]") else (name, "")
 
 
 def length_unit(body: Body) -> tuple[float, str]:
@@ -29,11 +43,20 @@ def stress_unit(scene: Scene) -> tuple[float, str]:
     return (1e3, "kPa") if stress_scale(scene.terms) >= TISSUE else (1.0, "")
 
 
-def field_unit(scene: Scene, field: str) -> str:
-    """Return the unit in which a field is stored; none in scenes with units of their own."""
-    if field == "displacement":
-        return "" if scene.body.length > BRAIN else "m"
-    return "Pa" if field in STRESSES and stress_unit(scene)[1] else ""
+def is_si(scene: Scene) -> bool:
+    """Return whether lengths and stresses of a scene are in m and Pa, by their size."""
+    return scene.body.length <= BRAIN and bool(stress_unit(scene)[1])
+
+
+def stored_unit(scene: Scene, name: str) -> str:
+    """Return the unit in which a field or a number of the history is stored: m, Pa or J/m.
+
+    None of pure numbers, of times, which are the scene's, and in scenes with units of their own.
+    """
+    if not is_si(scene):
+        return ""
+    kinds = {"m": LENGTHS, "Pa": STRESSES, "J/m": ENERGIES}
+    return next((unit for unit, names in kinds.items() if name in names), "")
 
 
 def with_error(number: float, error: float | None) -> str:

@@ -16,13 +16,12 @@ from ..parts import STRESS_FIELDS
 from ..scene import Scene
 from ..state import State
 from .files import DAMAGE, CorruptFileError
-from .units import field_unit
+from .units import stored_unit, with_unit, without_unit
 
 if TYPE_CHECKING:
     import meshio
 
 GRID = b"<UnstructuredGrid>"
-UNIT = " ["  # after the name of a field
 
 
 def frame(scene: Scene, state: State, observed: Mapping[str, Array]) -> bytes:
@@ -31,8 +30,8 @@ def frame(scene: Scene, state: State, observed: Mapping[str, Array]) -> bytes:
     Warp By Vector shows the deformed shape.
     """
     mesh = mesh_of(scene.body, state, observed)
-    mesh.point_data = {with_unit(scene, name): values for name, values in mesh.point_data.items()}
-    mesh.cell_data = {with_unit(scene, name): values for name, values in mesh.cell_data.items()}
+    mesh.point_data = {_named(scene, name): values for name, values in mesh.point_data.items()}
+    mesh.cell_data = {_named(scene, name): values for name, values in mesh.cell_data.items()}
     with tempfile.TemporaryDirectory() as folder:  # meshio writes files only
         file = Path(folder) / "frame.vtu"
         mesh.write(file, binary=True)
@@ -47,10 +46,8 @@ def _time(value: float) -> bytes:
     return f"<FieldData>{array}</FieldData>".encode()
 
 
-def with_unit(scene: Scene, field: str) -> str:
-    """Return the name of a field with its unit, such as "pressure [Pa]"."""
-    unit = field_unit(scene, field)
-    return f"{field}{UNIT}{unit}]" if unit else field
+def _named(scene: Scene, field: str) -> str:
+    return with_unit(field, stored_unit(scene, field))
 
 
 def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.Mesh:
@@ -97,7 +94,7 @@ def arrays_of(file: Path) -> dict[str, Array]:
     except (*DAMAGE, OSError, ElementTree.ParseError, meshio.ReadError) as error:
         raise CorruptFileError(f"{file} cannot be read: {error or type(error).__name__}.") from error
     cells = {name: values[0] for name, values in mesh.cell_data.items()}
-    fields = {name.partition(UNIT)[0]: values for name, values in (mesh.point_data | cells).items()}
+    fields = {without_unit(name)[0]: values for name, values in (mesh.point_data | cells).items()}
     return {"points": mesh.points, "triangles": mesh.cells[0].data, **fields}
 
 
