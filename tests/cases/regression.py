@@ -31,10 +31,11 @@ COLUMNS = ("case", "scene", "hangs_on", *EXACT, *COUNTS, *NUMBERS)
 # what a scene's numbers hang on, beside the physics: relative tolerance of NUMBERS, and of folds
 TOLERANCES = {
     "nothing": (1e-6, 0.0),  # one equilibrium, to the residual of the solver
-    "steps": (1e-3, 0.0),  # a motion or a memory: step lengths follow iterations, and these rounding
+    "mesh": (1e-2, 0.0),  # a real outline, whose mesh is made by choices that rounding may turn
     "branch": (0.1, 0.3),  # rounding decides which of several equilibria, that differ, the body snaps to
 }
 NONE = "none"
+ROUND_OFF = 1e-12  # of NUMBERS in their units: the energy of a body at rest is not quite none
 WORK, FEW = 0.3, 5  # iterations follow rounding everywhere: relative tolerance of COUNTS, and difference
 
 Row = dict[str, str]
@@ -77,7 +78,7 @@ def _change(name, before, now):
         return f"{name} {old} -> {new}"
     off = abs(float(new) - float(old))
     allowed = {"folds": folds}.get(name, WORK if name in COUNTS else relative) * abs(float(old))
-    if off <= max(allowed, FEW if name in COUNTS else 0.0):
+    if off <= max(allowed, FEW if name in COUNTS else ROUND_OFF):
         return ""
     share = f" ({100 * (float(new) / float(old) - 1):+.2g} %)" if float(old) else ""
     return f"{name} {old} -> {new}{share}, allowed {allowed:.2g}"
