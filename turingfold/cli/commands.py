@@ -34,6 +34,10 @@ def _running(options: argparse.Namespace) -> Running:
 
 
 def _run(options: argparse.Namespace) -> Answer:
+    if options.accuracy is not None:
+        from .precision import run_to
+
+        return run_to(options.accuracy, _pictured(options, "run"), _running(options))
     from .run import run
 
     return run(_pictured(options, "run"), _running(options))

@@ -34,6 +34,18 @@ def seconds(text: str) -> float:
     return found
 
 
+def share(text: str) -> float:
+    """Return a share from 0 to 1, given as 3% or 0.03."""
+    number, sign, rest = text.partition("%")
+    try:
+        found = float(number) / (100 if sign else 1)
+    except ValueError:
+        found = -1.0
+    if rest or not 0 < found < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} must be above 0 and below 100 %, such as 3% or 0.03")
+    return found
+
+
 def task(text: str) -> tuple[int, int]:
     """Return I and N of I/N."""
     number, _, count = text.partition("/")

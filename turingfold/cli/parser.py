@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from . import arguments
-from .kinds import assignment, at_least_one, figure, natural, smoothness, span, task
+from .kinds import assignment, at_least_one, figure, natural, share, smoothness, span, task
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -35,6 +35,10 @@ def _add_runs(commands: Commands, common: argparse.ArgumentParser) -> None:
     kept = [arguments.of_keeping(), arguments.of_answers()]
     every = [*scenes, arguments.of_jobs(), arguments.of_errors()]
     run = commands.add_parser("run", parents=[*every, *kept, common], help="run a case, draw its figure")
+    run.add_argument(
+        "--accuracy", type=share, metavar="SHARE",
+        help="make elements and steps as fine as estimated errors of that size need, such as 3%%",
+    )  # fmt: skip
     run.set_defaults(command="run")
 
     _add_sweep(commands, [*scenes, arguments.of_jobs(), *kept, common])

@@ -61,7 +61,8 @@ class Running:
     """How scenes are run: what becomes of earlier results, how many at a time, what is kept and told.
 
     errors: whether they are estimated.  max_seconds: run time of each scene.  frames: states that are kept,
-    None for the usual number.  vtu: whether these are also written for ParaView.
+    None for the usual number.  vtu: whether these are also written for ParaView.  shorter: how many times as
+    short as the scenes have them steps are.
     """
 
     resume: bool = False
@@ -72,6 +73,7 @@ class Running:
     frames: int | None = None
     vtu: bool = True
     telling: Telling = Telling.OVERALL
+    shorter: float = 1.0
 
     def words(self) -> list[str]:
         """Return the words of the command line that say this, but for what becomes of earlier results."""
@@ -82,7 +84,11 @@ class Running:
         return found + ([] if self.vtu else ["--no-vtu"])
 
     def limited(self, scene: Scene) -> Scene:
-        """Return a scene with this limit on its run time, where there is one."""
-        if math.isinf(self.max_seconds):
-            return scene
-        return replace(scene, stepping=replace(scene.stepping, seconds=self.max_seconds))
+        """Return a scene with this limit on its run time, where there is one, and steps as short."""
+        now = scene.stepping
+        if math.isfinite(self.max_seconds):
+            now = replace(now, seconds=self.max_seconds)
+        if self.shorter != 1:
+            lengths = {name: getattr(now, name) / self.shorter for name in ("first", "largest", "smallest")}
+            now = replace(now, **lengths)
+        return scene if now is scene.stepping else replace(scene, stepping=now)

@@ -46,15 +46,18 @@ def run(request: Request, running: Running) -> Answer:
     """Run the scenes of a case, say what became of them, draw the figure."""
     case = find_case(request.case)
     plan = planned(case, request)
-    base = base_folder(case, request)
-    every = plan[0].provenance["scenes"]
-    chosen = {one.name for one in plan}
-    if request.figure is not None:
-        _check_figure(case, without_result(base, [name for name in every if name not in chosen]))
+    check_figure(case, plan, request)
     own, _ = given_values(case, request)
     if words := idle_words(case, own, unusual(case, own), request.only):
         progress(f"note: {words}")
-    ends = list(outcomes(case, plan, request, running))
+    return answered(case, plan, list(outcomes(case, plan, request, running)), request, running)
+
+
+def answered(
+    case: Case, plan: Sequence[Planned], ends: Sequence[Outcome], request: Request, running: Running
+) -> Answer:
+    """Say what became of the scenes of a plan that were run, and draw the figure."""
+    base, every = base_folder(case, request), plan[0].provenance["scenes"]
     status = finished(ends, case, request)
     begun = [one.name for one in plan if has_result(base, one.name)]
     results = {name: read_result(base / folder_name(name), known=case.known) for name in begun}
@@ -73,10 +76,14 @@ def run(request: Request, running: Running) -> Answer:
     })  # fmt: skip
 
 
-def _check_figure(case: Case, missing: Sequence[str]) -> None:
+def check_figure(case: Case, plan: Sequence[Planned], request: Request) -> None:
     """Raise ValueError where --figure asks for what cannot be drawn."""
+    if request.figure is None:
+        return
     _drawing(case)
-    if missing:
+    chosen = {one.name for one in plan}
+    others = [name for name in plan[0].provenance["scenes"] if name not in chosen]
+    if missing := without_result(base_folder(case, request), others):
         raise ValueError(
             f"--figure: a figure shows all scenes, and these have no result yet: {', '.join(missing)}; run "
             "them too, or leave --figure out."
@@ -272,7 +279,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         index += f" against the convex hull, {closed:.2f} against {disc}"
     yield f"folds: {sulci(s['folds'])}{deep}; {index}"
     if mesh := _errors(s, "errors"):
-        rule = max(_shares(s, "quadrature_errors").values(), default=0.0)
+        rule = max(shares(s, "quadrature_errors").values(), default=0.0)
         inside = f" (its quadrature: up to {100 * rule:.1g} %)" if rule else ""
         yield f"errors of the mesh, estimated: {mesh}{inside}; of the steps: {_errors(s, 'step_errors')}"
     gap = "no contact"
@@ -296,13 +303,16 @@ def _errors(s: Mapping[str, Any], errors: str) -> str:
     """Return estimated errors in per cent, or why there are none; nothing where they were not wanted."""
     if not s[errors]:
         return str(s[f"no_{errors}"])
-    shares = _shares(s, errors)
-    names = {name: LENGTH.get(name, name.replace("_", " ")) for name in shares}
-    words = [f"{names[name]} {100 * share:.2g} %" for name, share in shares.items()]
+    words = [f"{named(name)} {100 * share:.2g} %" for name, share in shares(s, errors).items()]
     return ", ".join(words) or "none"
 
 
-def _shares(s: Mapping[str, Any], errors: str) -> dict[str, float]:
+def named(number: str) -> str:
+    """Return what a number of a summary is called."""
+    return LENGTH.get(number, number.replace("_", " "))
+
+
+def shares(s: Mapping[str, Any], errors: str) -> dict[str, float]:
     """Return estimated errors relative to the numbers that they are of, of those that are not zero."""
     return {name: abs(off / s[name]) for name, off in (s[errors] or {}).items() if off and s[name]}
 

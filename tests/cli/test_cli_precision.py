@@ -1,0 +1,129 @@
+"""turingfold run --accuracy: what it chooses, that it keeps what it says, and what it refuses."""
+
+import json
+import re
+
+import pytest
+
+from turingfold import load
+from turingfold.cli.case import load_case
+from turingfold.cli.main import main
+
+CASE = '''"""A patch of cortex that grows, and white matter that may follow. Less than a second."""
+from turingfold import (
+    Drag, Elastic, NeoHookean, Scene, Stepping, StressGrowth, TangentialGrowth, half, semicircle
+)
+from turingfold import parameters as p
+
+
+@p.quick(elements=1)
+def scenes(quick=False, *, elements: p.Elements = 2, follows: p.Tension = False, slow: p.Pattern = False):
+    body = half(semicircle(radius=0.04, thickness=0.01, elements=elements, base="roller"))
+    grow = (TangentialGrowth(cortex=1.3), *((StressGrowth(rate=5e-4),) if follows else ()))
+    terms = (Elastic(gray=NeoHookean.from_young(1000.0, 0.4)), *((Drag(coefficient=1.0),) if slow else ()))
+    stepping = Stepping(first=0.2, largest=0.2)
+    return {"only": Scene(body=body, terms=terms, processes=grow, stepping=stepping)}
+'''
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiny.py").write_text(CASE)
+    return tmp_path / "tiny.py"
+
+
+def ran(capsys, *words, status=0):
+    """Run the case; return what it printed, and its facts."""
+    assert main(["run", "tiny.py", "--json", *words]) == status
+    out, err = capsys.readouterr()
+    return err, json.loads(out)["accuracy"]
+
+
+def chosen(told):
+    return [float(found) for found in re.findall(r"^run \d, elements=([\d.]+)", told, re.MULTILINE)]
+
+
+def test_a_looser_error_takes_the_first_run_and_a_smaller_one_finer_elements(case, capsys):
+    told, facts = ran(capsys, "--accuracy", "5%")
+    assert chosen(told) == [2.0]
+    loose = load("results/tiny/only")
+    assert facts["reached"] == pytest.approx(max(
+        loose.errors[name] / abs(loose.summary()[name]) for name in ("energy", "perimeter")
+    ))  # fmt: skip
+    wanted = 0.2 * facts["reached"]
+    told, facts = ran(capsys, "--accuracy", f"{wanted}", "--overwrite")
+    assert len(chosen(told)) > 1
+    assert chosen(told)[-1] == facts["elements"] > 2.0
+    assert facts["reached"] <= wanted
+    result = load("results/tiny/only")
+    assert result.scene.body.elements_through_cortex == pytest.approx(facts["elements"], rel=0.1)
+    assert json.loads((case.parent / "results/tiny/only/scene.json").read_text())["case"]["changed"] == [
+        "elements"
+    ]
+
+
+def test_what_it_says_was_reached_is_what_a_finer_mesh_shows(case, capsys):
+    _, facts = ran(capsys, "--accuracy", "0.1%")
+    found = load("results/tiny/only").summary()
+    assert main(["run", "tiny.py", "--set", "elements=12", "--out", "fine", "--no-errors"]) == 0
+    fine = load("fine/tiny/only").summary()
+    for name in ("energy", "perimeter"):
+        assert abs(found[name] / fine[name] - 1) < 0.001 < 10 * facts["reached"], name
+
+
+def test_steps_are_made_shorter_where_they_matter(case, capsys):
+    told, facts = ran(capsys, "--accuracy", "2%", "--set", "follows=on")
+    assert facts["shorter_steps"] > 1
+    assert "times as short" in told
+    result = load("results/tiny/only")
+    assert result.scene.stepping.largest == pytest.approx(0.2 / facts["shorter_steps"])
+    errors = {name: result.error(name) / abs(result.summary()[name]) for name in ("energy", "perimeter")}
+    assert max(errors.values()) == pytest.approx(facts["reached"])
+    assert facts["reached"] <= 0.02
+
+
+def test_what_is_not_reached_is_said(case, capsys, monkeypatch):
+    monkeypatch.setattr("turingfold.cli.precision.RUNS", 2)
+    told, facts = ran(capsys, "--accuracy", "0.0001%", status=3)
+    assert len(chosen(told)) == 2
+    assert facts["reached"] > 1e-6
+    assert "--accuracy 0.0001 % was not reached" in told
+
+
+def test_an_estimate_that_another_run_contradicts_is_not_believed():
+    from turingfold.cli.precision import Trial
+
+    key = ("only", "energy")
+    coarse, fine = (
+        Trial(n, 1.0, {key: value}, {key: 0.01}, {key: 0.0}, {"only": 0}) for n, value in ((3, 1.1), (6, 1.0))
+    )
+    assert fine.errors(None) == {key: 0.01}
+    assert fine.errors(coarse)[key] == pytest.approx(0.1 - 0.01 * 1.1)
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (("--set", "elements=3"), "--accuracy chooses elements"),
+    (("--resume",), "leave --resume"),
+    (("--no-errors",), "leave --no-errors"),
+    (("--set", "slow=on"), "which motions (Drag) have none of"),
+])  # fmt: skip
+def test_what_leaves_nothing_to_choose_or_judge_by_is_refused(case, capsys, words, said):
+    assert main(["run", "tiny.py", "--accuracy", "3%", *words]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_case_without_elements_is_refused_by_name(case, capsys):
+    case.write_text(CASE.replace("elements", "size").replace("size=size", "elements=size"))
+    assert list(load_case(case).parameters) == ["size", "follows", "slow"]
+    assert main(["run", "tiny.py", "--accuracy", "3%"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "--accuracy chooses the parameter 'elements', and" in said
+    assert "has none (it has: size, follows, slow)" in said
+
+
+@pytest.mark.parametrize("words", ["3", "0", "-1%", "100%", "3%%", "few", "nan"])
+def test_what_is_no_share_is_refused(case, capsys, words):
+    with pytest.raises(SystemExit):
+        main(["run", "tiny.py", f"--accuracy={words}"])
+    assert "such as 3% or 0.03" in capsys.readouterr().err
