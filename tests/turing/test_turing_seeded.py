@@ -11,6 +11,7 @@ from turingfold import (
     Schnakenberg,
     SeededPattern,
     Turing,
+    half,
     semicircle,
     simulate,
 )
@@ -97,6 +98,15 @@ def test_axons_pull_where_the_spots_are():
 def test_bad_input_is_refused(changes, words):
     with pytest.raises(ValueError, match=words):
         seeded(**changes)
+
+
+def test_places_are_shares_of_the_whole_surface_on_half_a_body_too():
+    right, law = half(BODY), seeded(places=(0.1, 0.3), width=0.2)
+    every = [law.on(body) for body in (BODY, right)]
+    at = [one.linear.space.nodes[:, one.seeds.any(axis=1)].T.round(12) for one in every]
+    assert sorted(map(tuple, at[0])) == sorted(map(tuple, at[1]))
+    with pytest.raises(ValueError, match="half a body has the shares"):
+        seeded(places=(0.3, 0.7)).on(right)
 
 
 def test_seeds_narrower_than_elements_are_refused():

@@ -29,9 +29,10 @@ class SeededPattern(Morphogens):
     kinetics: the reaction.  d_u, d_v: diffusivities, m² per unit of the kinetics' time.
     disturbed: (u, v) of the seeds.  uniform: (u, v) elsewhere, a steady state of the kinetics; by default its
     first one.
-    places: middles of the seeds, in shares of the pial surface's length from its start.  width: of a seed
-    along the surface, m; it reaches through the whole band. Seeds are stronger by 1 % at the surface's end
-    than at its start, as patterns that are their own mirror image may stand still and be unstable.
+    places: middles of the seeds, in shares of the whole pial surface's length from its start, also of half a
+    body.  width: of a seed along the surface, m; it reaches through the whole band. Seeds are stronger by 1 %
+    at the surface's end than at its start, as patterns that are their own mirror image may stand still and be
+    unstable.
     activator: the species, "u" or "v", that is read as the activator.
     time: longest run, in units of the kinetics' time. Spots push each other apart ever more slowly: where
     disturbances of a pattern grow more slowly than 1/time it counts as steady.
@@ -97,7 +98,10 @@ class SeededOnBody(Steady):
         curve = body.pial_curve
         along = curve.nearest(self.linear.space.nodes)[2]
         self.along = along / curve.length
-        apart = np.abs(along[:, None] - curve.length * np.array(pattern.places))
+        whole = curve.length * (2.0 if body.mirror else 1.0)
+        if max(pattern.places) * whole > curve.length * (1 + 1e-12):
+            raise ValueError(f"places={pattern.places!r}: half a body has the shares 0 to 0.5.")
+        apart = np.abs(along[:, None] - whole * np.array(pattern.places))
         if curve.closed:
             apart = np.minimum(apart, curve.length - apart)
         self.seeds = apart <= 0.5 * pattern.width
