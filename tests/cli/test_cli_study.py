@@ -122,6 +122,12 @@ def test_tables_that_say_nothing_are_refused(text, message):
         plan(table=Path("table.csv"))
 
 
+def test_a_table_that_is_no_text_is_refused_as_one():
+    Path("table.csv").write_bytes(b"\x89PNG\r\n\xff")
+    with pytest.raises(ValueError, match=r"table\.csv must have a line|has no parameter"):
+        plan(table=Path("table.csv"))
+
+
 @pytest.mark.parametrize(
     ("vary", "message"),
     [

@@ -89,6 +89,15 @@ def test_what_a_parameter_cannot_be_is_said_with_name_value_bound_and_remedy(nam
         KNOWN[name].read_list(text)
     for word in words:
         assert word in str(failure.value)
+    assert "?." not in str(failure.value)
+
+
+def test_a_whole_number_that_the_case_may_choose_is_said_so():
+    def scenes(quick=False, *, waves: p.HalfWaves = None):
+        return {}
+
+    with pytest.raises(ValueError, match=r"^waves=7\.5 must be a whole number, or auto\.$"):
+        declared(scenes)["waves"].read("7.5")
 
 
 def test_an_unknown_name_is_answered_with_the_nearest():

@@ -165,7 +165,7 @@ def _samples(case: Case, ranges: Mapping[str, tuple[float, float]], design: Desi
 
 def _rows(case: Case, file: Path) -> Iterator[_Values]:
     """Yield the rows of a table, a column for each parameter; a bad value is kept as it is, and refused."""
-    with file.open(newline="", encoding="utf-8-sig") as opened:
+    with file.open(newline="", encoding="utf-8-sig", errors="replace") as opened:
         table = csv.DictReader(opened, skipinitialspace=True)
         heads = [without_unit(name.strip()) for name in table.fieldnames or ()]
         names = [name for name, _ in heads]

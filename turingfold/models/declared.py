@@ -127,7 +127,8 @@ class Declared:
     def _word(self, word: str) -> str:
         known = self.meaning.choices
         if known and word not in known:
-            raise ValueError(f"{self.name}={word} must be one of {', '.join(known)}{nearest(word, known)}.")
+            near = nearest(word, known) or "."
+            raise ValueError(f"{self.name}={word} must be one of {', '.join(known)}{near}")
         return word
 
     def _check_range(self, number: float) -> None:
@@ -146,7 +147,8 @@ class Declared:
 
     def _of_another_kind(self, value: Any) -> ValueError:
         kind = KINDS[self.kind] + (f" in {self.meaning.unit}" if self.meaning.unit else "")
-        return ValueError(f"{self.name}={value} must be {kind}, such as {as_text(self.default)}.")
+        example = f"or {CHOSEN}" if self.default is None else f"such as {as_text(self.default)}"
+        return ValueError(f"{self.name}={value} must be {kind}, {example}.")
 
 
 def quick(**values: Any) -> Callable[[Scenes], Scenes]:
