@@ -285,6 +285,9 @@ def test_walls_that_touch_are_moved_apart_and_the_rest_stays():
     on = np.minimum(np.abs(np.abs(x) - 1), np.abs(np.abs(y) - 1))
     assert on[away] == pytest.approx(0.0, abs=1e-3)
     assert body.changes.lost == pytest.approx(1.5 * 0.03 / 4, rel=0.25)
+    # corners of the square are rounded; walls stand half a gap from where they touched, and the tip is blunt
+    assert body.changes.moved < 0.1 * 0.06
+    assert 0.06 / 4 <= body.changes.moved_at_walls < 1.5 * 0.06
     assert angles(body.mesh.p, body.mesh.t).min() > 20
     with pytest.warns(UserWarning, match="area lost"):
         outline(points, thickness=0.2, size=0.06, inset=0.1)
@@ -297,6 +300,38 @@ def test_parts_smaller_than_an_element_are_left_out_and_named():
     assert (x, y) == pytest.approx((2.0, 1.0), abs=1e-6)
     assert size == pytest.approx(np.pi * 0.02**2, rel=0.03)  # a polygon with 20 corners
     assert body.changes.moved < 1e-4
+
+
+def test_closed_off_sulci_smaller_than_an_element_are_filled_and_counted():
+    body = outline([circle(), 0.02 * circle() + 0.3], thickness=0.1, size=0.05)
+    assert len(body.pial_paths) == 1
+    assert body.changes.filled == 1
+    assert body.changes.moved < 1e-4
+    assert "1 closed-off sulci filled" in str(body.changes)
+
+
+def test_what_makes_a_thin_cortex_one_element_thick_is_told_apart():
+    """Where pial and white surface are the same, as on the medial wall of FreeSurfer's surfaces."""
+    disc = shapely.Polygon(circle().T)
+    white = disc & (disc.buffer(-0.2) | shapely.box(-0.3, -1.2, 0.3, 0))
+    curve = shapely.get_coordinates(shapely.segmentize(white.exterior, 0.02)).T[:, :-1]
+    body = outline(circle(), interface=[curve], size=0.05)
+    layer = 0.05 * 2 * np.arcsin(0.3)
+    assert body.changes.thickened == pytest.approx(layer / (np.pi - white.area), rel=0.05)
+    assert body.changes.cortex == pytest.approx(body.changes.thickened, abs=0.01)
+
+
+def test_a_curve_does_not_swing_out_where_long_segments_follow_short_ones():
+    """A square with its corners cut off, by segments 30 times as short as its sides."""
+    cut = 0.03
+    corner = np.array([[1.0, 1.0 - cut], [1.0 - cut, 1.0]])
+    points = np.concatenate(
+        [np.array([[x, -y], [y, x]]) @ corner for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))], 1
+    )
+    body = outline(points, thickness=0.3, size=0.1)
+    square = shapely.Polygon(points.T)
+    away = shapely.distance(square.exterior, shapely.points(body.nodes[:, body.pial].T))
+    assert away.max() < 0.1 / 8
 
 
 def test_one_of_several_curves_may_have_few_points():

@@ -12,17 +12,23 @@ class Changes:
     """Differences between measured curves and the body made from them.
 
     moved: largest distance of a point of the given pial surface from that of the body, m; of pieces that were
-    kept.  lost, added: area taken away and filled, as shares of the given area.  cortex: change of the
-    cortex's area as a share of what lies between the given pial and white surfaces; None without the latter.
-    dropped: (x, y, area) of pieces too small for the elements; m and m².  smallest_angle: of the triangles,
-    degrees.  notes: what was repaired, in words.
+    kept, and farther than half an element from where walls of sulci touch.  moved_at_walls: the same there,
+    where walls are moved apart, and sulci closed off.  lost, added: area taken away and filled, as shares of
+    the given area.  cortex: change of the cortex's area as a share of what lies between the given pial and
+    white surfaces; None without the latter.  thickened: the part of it by which the cortex becomes one
+    element thick where it is given thinner, as on the medial wall.  dropped: (x, y, area) of pieces too small
+    for the elements; m and m².  filled: number of closed-off sulci that are too small.  smallest_angle: of
+    the triangles, degrees.  notes: what was repaired, in words.
     """
 
     moved: float
+    moved_at_walls: float
     lost: float
     added: float
     cortex: float | None
+    thickened: float | None
     dropped: tuple[tuple[float, float, float], ...]
+    filled: int
     smallest_angle: float
     notes: tuple[str, ...] = ()
 
@@ -30,13 +36,22 @@ class Changes:
         """Return the changes in m of what was made in units of `unit` around `centre`, (2, 1), m."""
         x0, y0 = centre.ravel().tolist()
         dropped = [(x0 + unit * x, y0 + unit * y, area * unit**2) for x, y, area in self.dropped]
-        return replace(self, moved=self.moved * unit, dropped=tuple(dropped), smallest_angle=smallest_angle)
+        return replace(
+            self,
+            moved=self.moved * unit,
+            moved_at_walls=self.moved_at_walls * unit,
+            dropped=tuple(dropped),
+            smallest_angle=smallest_angle,
+        )
 
     def __str__(self) -> str:
         told = [
-            f"pial surface moved by at most {self.moved:.3g} m",
+            f"pial surface moved by at most {self.moved:.3g} m"
+            + (f", {self.moved_at_walls:.3g} m where walls touch" if self.moved_at_walls else ""),
             f"area lost {self.lost:.2%}, filled {self.added:.2%}",
+            f"cortex {self.cortex:+.2%}, by thin parts {self.thickened:.2%}" if self.thickened else "",
             f"{len(self.dropped)} pieces left out" if self.dropped else "",
+            f"{self.filled} closed-off sulci filled" if self.filled else "",
             *self.notes,
         ]
         return "; ".join(part for part in told if part)

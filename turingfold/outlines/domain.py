@@ -13,8 +13,22 @@ from shapely.geometry.base import BaseGeometry
 from ..arrays import Array
 from ..geometry.changes import Changes
 from .loops import Trace, traced
-from .region import below, even_odd, fitted, large, moved, opened, pieces, smoothed, tapered, unchanged_near
+from .region import (
+    below,
+    even_odd,
+    fitted,
+    hollows,
+    large,
+    moved,
+    opened,
+    pieces,
+    smoothed,
+    tapered,
+    touching,
+    unchanged_near,
+)
 
+ROUND_OFF = 1e-6  # share of the size below which lengths are no lengths
 FINE = 8  # samples of a curve per element
 NEAR = 0.02  # of the size: nodes so close to a smooth curve are put on it
 OFFSET = 0.011  # of the distance, by which shapely's offsets leave out points
@@ -115,15 +129,15 @@ def domain(
             f"no part of the outline is as large as an element: the area is {measured.area:.3g} of its "
             "extent squared; use smaller elements (size=...)."
         )
-    pial = area.boundary.difference(bases.buffer(1e-6 * size)) if given.bases else area.boundary
+    pial = area.boundary.difference(bases.buffer(ROUND_OFF * size)) if given.bases else area.boundary
     within = None if given.white is None else traced(given.white, step, smooth)
     even = thickness.at is None and within is None
     if even:
         _refuse_thick(area, pial, thickness.typical, unit)
-    raw = _white(area, pial, thickness, size) if within is None else even_odd(within.polygons)
+    own = _white(area, pial, thickness, size) if within is None else even_odd(within.polygons)
     least = min(size, 0.9 * thickness.typical)
-    allowed = raw if even else below(area, pial, least)
-    raw = raw.intersection(allowed)
+    allowed = own if even else below(area, pial, least)
+    raw = own.intersection(allowed)
     white = smoothed(raw, size, 0.25 * size).intersection(allowed)
     white = unchanged_near(bases, white, raw, size)
     white, walls, holes = large(white, size**2), None, MultiPolygon()
@@ -141,7 +155,7 @@ def domain(
         area, white, holes, surface.bases, surface, within, walls, size, thickness.typical,
         thickness.typical if even else 0.0,
     )  # fmt: skip
-    return made, _changes(given, surface, measured, made, within)
+    return made, _changes(given, measured, made, inset, None if within is None else own, allowed)
 
 
 def _white(area: MultiPolygon, pial: BaseGeometry, thickness: Thickness, size: float) -> BaseGeometry:
@@ -175,32 +189,44 @@ def _refuse_thick(area: MultiPolygon, pial: BaseGeometry, thickness: float, unit
 
 
 def _changes(
-    given: Given, surface: Trace, measured: BaseGeometry, made: Domain, within: Trace | None
-) -> Changes:
-    notes = [*given.notes]
-    for k, loop in enumerate(given.pial):
-        if not Polygon(loop.T).is_valid:
-            notes.append(
-                f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
-            )
+    given: Given, measured: BaseGeometry, made: Domain, inset: float, white: BaseGeometry | None,
+    allowed: BaseGeometry,
+) -> Changes:  # fmt: skip
+    """Return what differs from the measured tissue and its white matter, if that was given.
+
+    allowed: where elements let white matter be.
+    """
     before, after = measured.area, made.area.area
     lost = measured.difference(made.area)
-    dropped = [one for one in pieces(measured) if not one.intersects(made.area)]
-    stay = [loop for loop in surface.polygons if not any(one.contains(_some(loop)) for one in dropped)]
-    cortex = None
-    if within is not None:
-        ribbon = measured.difference(even_odd(within.polygons)).area
+    delivered = even_odd(given.pial)
+    dropped = [one for one in pieces(delivered) if not one.intersects(made.area)]
+    filled = [one for one in hollows(delivered) if made.area.contains(one)]
+    gone, walls = shapely.union_all([*dropped, *filled]), touching(delivered, inset, ROUND_OFF * made.size)
+    at = np.concatenate(given.pial, axis=1)
+    at = at[:, shapely.distance(gone.buffer(ROUND_OFF * made.size), shapely.points(at.T)) != 0]
+    away, beside = moved(at, made.area, walls, 0.5 * made.size)
+    cortex = thickened = None
+    if white is not None:
+        ribbon = measured.difference(white).area
         cortex = made.area.difference(made.white).area / ribbon - 1
+        thickened = white.intersection(made.area).difference(allowed).area / ribbon
     return Changes(
-        moved=moved(stay, made.area),
+        moved=away,
+        moved_at_walls=beside,
         lost=lost.area / before,
         added=(after - before + lost.area) / before,
         cortex=cortex,
+        thickened=thickened,
         dropped=tuple((one.centroid.x, one.centroid.y, one.area) for one in dropped),
+        filled=len(filled),
         smallest_angle=float("nan"),
-        notes=tuple(notes),
+        notes=(*given.notes, *_crossing(given.pial)),
     )
 
 
-def _some(loop: Array) -> BaseGeometry:
-    return shapely.make_valid(Polygon(loop.T)).representative_point()
+def _crossing(loops: list[Array]) -> list[str]:
+    return [
+        f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
+        for k, loop in enumerate(loops)
+        if not Polygon(loop.T).is_valid
+    ]

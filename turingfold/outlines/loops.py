@@ -16,6 +16,7 @@ from .line import Line, line
 FEWEST = 8  # different points that make an outline
 RING = 3  # different points that enclose something: so many do for one of several curves
 MERGE = 1e-9  # points closer than this share of the extent are one point
+UNEVEN = 2.0  # times as long as a segment beside it, a segment gets points
 GAP = 5.0  # a curve is open if its ends are farther apart than this many times its longest other segment
 
 
@@ -165,7 +166,7 @@ def traced(
         for part, curved in _parts(loop, [base[1:] for base in bases if base[0] == k]):
             closed = curved and part is loop
             if curved:
-                lines.append(line(_thinned(part, closed, 0.8 * step), closed, smooth))
+                lines.append(line(_evened(_thinned(part, closed, 0.8 * step), closed), closed, smooth))
                 s = np.append(lines[-1].spaced(step), lines[-1].length if closed else [])
                 points.append(lines[-1].at(s[:-1]))
                 pieces.append((len(lines) - 1, s[:-1], s[1:]))
@@ -208,6 +209,21 @@ def _thinned(curve: Array, closed: bool, spacing: float) -> Array:
     if closed and len(kept) > 3 and np.hypot(*(curve[:, kept[-1]] - curve[:, 0])) < spacing:
         kept = kept[:-1]
     return curve[:, kept]
+
+
+def _evened(curve: Array, closed: bool) -> Array:
+    """Return the curve with long segments halved until none is over twice as long as one beside it.
+
+    A spline would swing out along a long segment beside short ones.
+    """
+    points = np.concatenate([curve, curve[:, :1]], axis=1) if closed else curve
+    while True:
+        length = np.hypot(*np.diff(points))
+        around = np.concatenate([length[-1:], length, length[:1]] if closed else [[np.inf], length, [np.inf]])
+        long = np.flatnonzero(length > UNEVEN * np.minimum(around[:-2], around[2:]))
+        if not len(long):
+            return points[:, :-1] if closed else points
+        points = np.insert(points, long + 1, 0.5 * (points[:, long] + points[:, long + 1]), axis=1)
 
 
 def shown(point: Array) -> str:

@@ -24,6 +24,11 @@ def pieces(area: BaseGeometry) -> list[Polygon]:
     ]
 
 
+def hollows(area: BaseGeometry) -> list[Polygon]:
+    """Return what the holes of a set enclose."""
+    return [Polygon(hole) for one in pieces(area) for hole in one.interiors]
+
+
 def even_odd(loops: list[Array]) -> BaseGeometry:
     """Return the points that lie inside an odd number of turns of closed curves (2, n)."""
     return reduce(
@@ -58,6 +63,11 @@ def smoothed(area: BaseGeometry, size: float, gap: float) -> BaseGeometry:
     return opened(thick.difference(thin.buffer(gap + THIN * size)), 0.2 * size) if pieces(thin) else thick
 
 
+def touching(area: BaseGeometry, inset: float, least: float) -> BaseGeometry:
+    """Return the gaps of a set with walls nearer to each other than 2·inset, and not than 2·least."""
+    return closed(area, inset).difference(area).buffer(-least)
+
+
 def large(area: BaseGeometry, least: float) -> MultiPolygon:
     """Return the set without pieces smaller, and with holes filled that are smaller than an area."""
     kept = [one for one in pieces(area) if one.area >= least]
@@ -74,12 +84,13 @@ def fitted(area: BaseGeometry, size: float, inset: float, bases: BaseGeometry) -
     pieces and holes below size² are left out. Within 0.75 size of `bases` (lines) nothing changes.
     """
     tissue = large(area.simplify(SLIVER * size), SLIVER * size**2)
-    gaps = closed(tissue, inset).difference(tissue).buffer(-SLIVER * size)
-    spread = inset + SLIVER * size
-    for gap in pieces(gaps):
+    clefts = []
+    for gap in pieces(touching(tissue, inset, SLIVER * size)):
         x0, y0, x1, y1 = gap.bounds
         if np.hypot(x1 - x0, y1 - y0) > CLEFT * size:
-            tissue = tissue.difference(gap.buffer(spread))
+            clefts.append(gap.buffer(inset + SLIVER * size))
+    if clefts:
+        tissue = tissue.difference(shapely.union_all(clefts))
     tissue = smoothed(tissue, size, min(0.25 * size, inset))
     return large(unchanged_near(bases, tissue, area, size), size**2)
 
@@ -112,10 +123,16 @@ def tapered(points: Array, thickness: Array) -> BaseGeometry:
     return shapely.union_all(shapely.convex_hull(pairs))
 
 
-def moved(loops: list[Array], area: BaseGeometry) -> float:
-    """Return the largest distance of points of curves (2, n) from the boundary of a set."""
+def moved(points: Array, area: BaseGeometry, walls: BaseGeometry, near: float) -> tuple[float, float]:
+    """Return the largest distance of points (2, n) from the boundary of a set.
+
+    First of points farther than `near` from `walls`, then of the others; 0 where there are none.
+    """
     ends = [shapely.get_coordinates(ring) for ring in shapely.get_parts(area.boundary)]
     segments = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in ends])
-    at = shapely.points(np.concatenate(loops, axis=1).T)
+    at = shapely.points(points.T)
     tree = shapely.STRtree(shapely.linestrings(segments))
-    return float(tree.query_nearest(at, return_distance=True, all_matches=False)[1].max())
+    distance = tree.query_nearest(at, return_distance=True, all_matches=False)[1]
+    shapely.prepare(walls)
+    beside = shapely.dwithin(walls, at, near)
+    return float(distance[~beside].max(initial=0.0)), float(distance[beside].max(initial=0.0))

@@ -36,9 +36,9 @@ def surface_section(
     at: of the plane along the axis across it; m.
     unit: of the vertices, as in `read_outline`; files are in mm.
 
-    A curve runs from edge to edge of the triangles that the plane cuts. Vertices on the plane count as above
-    it, so that every curve of a closed surface closes. Where a surface is open, its curve is closed by a
-    straight line, with a warning that tells how long.
+    A curve runs from edge to edge of the triangles that the plane cuts, with two points in between. Vertices
+    on the plane count as above it, so that every curve of a closed surface closes. Where a surface is open,
+    its curve is closed by a straight line, with a warning that tells how long.
     Raises ValueError for what is no surface, for edges of more than two triangles, and for planes that miss.
     """
     across = PLANES[one_of("plane", plane, tuple(PLANES))]
@@ -137,8 +137,17 @@ def _cut(
             words = f"{source}: the {name} surface is open; its curve is closed by a line of {gap:g} m."
             warnings.warn(words, stacklevel=3)
         if loop.shape[1] >= 3:
-            loops.append(loop)
+            loops.append(_in_thirds(loop))
     return loops
+
+
+def _in_thirds(loop: Array) -> Array:
+    """Return a closed curve (2, n) with points at the thirds of its segments, (2, 3 n).
+
+    Triangles are flat: a smooth curve through their corners alone would leave them.
+    """
+    step = (np.roll(loop, -1, axis=1) - loop) / 3
+    return np.stack([loop, loop + step, loop + 2 * step], axis=2).reshape(2, -1)
 
 
 def _chains(links: Integers, count: int) -> list[tuple[list[int], bool]]:
