@@ -55,6 +55,8 @@ def test_a_result_is_a_target_too_and_smoothness_may_be_chosen(target, tmp_path,
     assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--figure", "mine.svg"]) == 0
     said = capsys.readouterr().out
     assert "the most that leaves a misfit within the noise" in said
+    stored = json.loads((tmp_path / "results/map-fit/only/scene.json").read_text())["case"]["command"]
+    assert stored.endswith(" --smoothness auto --noise 0.002 --figure mine.svg")
     assert (tmp_path / "mine.svg").is_file()
 
 
