@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if _has(options, "json"):
         import json
 
-        say(json.dumps({"exit_status": answer.status, **answer.facts}, ensure_ascii=False, allow_nan=False))
+        say(json.dumps({"exit_status": answer.status, **answer.facts}, allow_nan=False))
     return answer.status
 
 
@@ -62,7 +62,7 @@ def _has(options: argparse.Namespace, name: str) -> bool:
 def _aside(options: argparse.Namespace) -> Iterator[None]:
     """Keep standard output free for one JSON object, or for nothing, if that is asked for."""
     if _has(options, "quiet"):
-        with Path(os.devnull).open("w") as nowhere, redirect_stdout(nowhere):
+        with Path(os.devnull).open("w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
             yield
     elif _has(options, "json"):
         with redirect_stdout(sys.stderr):
