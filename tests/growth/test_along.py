@@ -75,6 +75,20 @@ def test_shares_of_an_open_surface_count_from_its_right_end_also_in_half_a_body(
         assert found == pytest.approx(np.interp(angle, *expected), abs=2e-3)
 
 
+def test_half_a_body_needs_places():
+    """Evenly spaced over the whole surface, the last of five factors has no influence on the half."""
+    body = half(semicircle(radius=1.0, thickness=0.2, size=0.1))
+    five = (1.1, 1.2, 1.3, 1.4, 1.5)
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
+    scene = Scene(body=body, terms=(solid,), processes=(GrowthMap(cortex=five),))
+    with pytest.raises(
+        ValueError, match=r"beyond the mirror and .* places=\(0, 0\.125, 0\.25, 0\.375, 0\.5\)"
+    ):
+        simulate(scene)
+    placed = GrowthMap(cortex=five, places=(0, 0.125, 0.25, 0.375, 0.5))
+    assert placed.on(body).start(State(1.0), 0)["growth"][0].max() == pytest.approx(1.5, abs=0.01)
+
+
 def test_every_part_of_a_surface_has_the_values_of_its_own_places():
     body = outline([CIRCLE, CIRCLE + np.array([[3.0], [0.0]])], thickness=0.2, size=0.1)
     both = at_places((1.0, -1.0)) + at_places((1.0, -1.0), 3.0)

@@ -120,9 +120,7 @@ def _allowed(case: Case, elements: float) -> float:
     return min(max(rounded, parameter.meaning.low), parameter.meaning.high)
 
 
-def _trial(
-    elements: float, shorter: float, plan: Sequence[Planned], case: Case, request: Request
-) -> Trial:
+def _trial(elements: float, shorter: float, plan: Sequence[Planned], case: Case, request: Request) -> Trial:
     """Read what a run left in its folder; raises ValueError for a scene without an estimate."""
     values: Numbers = {}
     mesh: Numbers = {}

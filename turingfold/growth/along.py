@@ -16,7 +16,7 @@ from ..geometry.surface_table import BETWEEN, Places, SurfaceTable, checked_plac
 from ..state import State
 from .ages import Ages, Weeks
 from .histories import History, Linear
-from .laws import OUT_OF_PLANE, GrowthLaw, check_factor
+from .laws import OUT_OF_PLANE, GrowthLaw, GrowthOnBody, check_factor
 
 OF = ("length", "area")
 SLACK = 1e-9  # by which round-off may pass the first and the last age of a table
@@ -31,7 +31,7 @@ class GrowthMap(GrowthLaw):
     places: of each factor along the pial surface, as shares of its length or as points in m, such as
     landmarks, or all points of an outline. Left out, they are evenly spaced, from one end of the surface,
     counter-clockwise, to the other; round a closed one, where it begins and ends anywhere, the first factor
-    follows the last.
+    follows the last. Half a body needs them: shares are of the whole surface, and those up to 0.5 lie on it.
     between: places: "linear" in arc length, or "nearest", as in regions of constant growth.
     out_of_plane: "fixed" (g_z = 1) or "tangential" (g_z = g_t).
     Raises ValueError for fewer than two factors, or one outside 0.3 to 5, and places off the surface.
@@ -55,6 +55,21 @@ class GrowthMap(GrowthLaw):
         one_of("between", self.between, BETWEEN)
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
         instance("history", self.history, History, "Linear() or Exponential()")
+
+    def on(self, body: Body) -> GrowthOnBody:
+        """Return the law on a body.
+
+        Raises ValueError on half a body without places: factors beyond the mirror would change nothing.
+        """
+        count = len(self.cortex)
+        if body.mirror and self.places is None:
+            shares = ", ".join(f"{share:.3g}" for share in np.linspace(0.0, 0.5, count))
+            raise ValueError(
+                f"GrowthMap: its {count} factors are without places, and on half a body some lie beyond the "
+                "mirror and change nothing; give places as shares of the whole surface's length, such as "
+                f"places=({shares})."
+            )
+        return super().on(body)
 
     def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
         """Return g_t and g_n = 1 at a time."""
