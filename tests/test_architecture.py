@@ -207,3 +207,9 @@ def test_every_folder_of_the_package_and_the_cases_are_installed():
     folders = {".".join(path.parent.relative_to(PACKAGE.parent).parts) for path in PACKAGE.rglob("*.py")}
     assert set(tool["packages"]) == {*folders, "turingfold.cases"}
     assert tool["package-dir"] == {"turingfold.cases": "cases"}
+
+
+def test_no_test_patches_a_private_name():
+    patched = re.compile(r"(?:setattr|delattr|patch(?:\.object)?)\([^)]*?[\"'.]_[a-z]\w*[\"']")
+    tests = (PACKAGE.parent / "tests").rglob("*.py")
+    assert not [path.name for path in tests if patched.search(path.read_text(encoding="utf-8"))]

@@ -77,7 +77,7 @@ def test_a_folder_that_cannot_be_written_is_status_1(asks, told, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     asks("lazy-loader>=0.4")
-    monkeypatch.setattr(doctor, "_factorisation", lambda: doctor.Finding("factorisation", "CHOLMOD", None))
+    monkeypatch.setattr(doctor, "FACTORISE", "print('Cholmod')")
     monkeypatch.setattr("tempfile.TemporaryDirectory", refuses)
     status, found = told()
     assert (status, found["disk"]["writable"]) == (1, False)
