@@ -10,7 +10,7 @@ and half a peak at each end of the pial surface. Without pattern the axons pull 
     --set core=1 --set radial_core=1 --set swelling=0 --set cortex=1.9      only the cortex grows
     --set growth_law=stress   the core grows in response to the stress that it bears
     --set loads=figure1       arrows on the pial surface in place of the tension (sulci on the peaks)
-    --set halved=on           half is computed, and mirrored: half the time; what is not symmetric is not seen
+    --set halved=on           half is computed, and mirrored: half the time and energy, no asymmetry
     --set dynamics=on         with inertia, from rest, within `duration`; minutes
 """
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from turingfold import BoundaryLoads, Drag, Elastic, NeoHookean, PeakLoads, Scene, human, semicircle
+from turingfold.errors import InadmissibleStateError
 from turingfold.geometry.mirror import half
 from turingfold.parts import TimeStep
 from turingfold.solve.problem import Problem
@@ -152,6 +153,15 @@ def test_pairs_pull_together_beside_the_peaks(body):
         assert along[after].sum() == pytest.approx(-2 * np.cos(0.2), rel=0.02)
     only = nodal(PeakLoads(strength=2.0, distance=0.6, width=0.1), body, pattern=waves(body))
     assert np.abs(only).sum() < 0.5 * np.abs(forces).sum()  # pairs that would leave the surface are left out
+    with pytest.raises(
+        InadmissibleStateError, match=r"less than distance=1\.6 m from an end .* nothing pulls"
+    ):
+        nodal(PeakLoads(strength=2.0, distance=1.6, width=0.1), body, pattern=waves(body))
+    one = 0.5 * (1 + body.cortex.mesh.doflocs[0])  # with its peak at the end
+    with pytest.raises(InadmissibleStateError, match="nothing pulls"):
+        nodal(PeakLoads(strength=2.0, distance=0.2, width=0.1), body, pattern=one)
+    fading = PeakLoads(strength=2.0, distance=0.2, width=0.1).on(body)
+    assert fading.during(still(body, pattern=0.4 * waves(body)), STEP) is None
 
 
 def test_tables_are_read_with_their_units(tmp_path, body):

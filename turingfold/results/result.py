@@ -260,7 +260,8 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """Return the numbers at the last state: effort, growth, energy, folds; None where one does not exist.
 
-        energy: that stored at the last state, of elasticity, loads and walls; J per m of depth.
+        energy: that stored at the last state, of elasticity, loads and walls; J per m of depth. Of half a
+        body it is that of the half, as works and energies of the history, dofs and triangles are.
         negative_pivots: directions in which the last state's energy falls; 0 at a minimum; with inertia, drag
         or damping, those of the step's incremental potential.  saddles: states of the whole run that have
         some.  snaps: steps whose equilibrium was found by the gradient flow.

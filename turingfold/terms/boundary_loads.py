@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import finite, finite_array, one_of, positive
+from ..errors import InadmissibleStateError
 from ..geometry.body import Body
 from ..geometry.surface_table import checked_places
 from ..parts import Load, Operator, TimeStep
@@ -84,7 +85,8 @@ class PeakLoads(Load):
     """Two forces beside each peak of the pattern on the pial surface, which pull each other together.
 
     They act along the line between the two, so that each pair has neither resultant nor moment. A peak is a
-    local maximum of û of at least 0.5; peaks less than `distance` from the end of a surface have no pair.
+    local maximum of û of at least 0.5; peaks less than `distance` from the end of a surface have no pair,
+    and a pattern with such peaks alone stops the run.
     strength: of each force, N/m; negative pushes apart.  distance: of each from its peak along the surface,
     m.  width, spread, ramp: as of BoundaryLoads.
     """
@@ -233,6 +235,12 @@ class PeakLoadsOnBody(Operator):
             inside = [not (mirrored[0] and peak == 0), not (mirrored[1] and peak == length)]
             kernels += [kernel for kernel, one in zip(pair, inside, strict=True) if one]
             forces += [force for force, one in zip((pull, -pull), inside, strict=True) if one]
+        if values.max() >= PEAK and not forces:
+            raise InadmissibleStateError(
+                f"PeakLoads: every peak of the pattern is less than distance={distance:g} m from an end of "
+                "the surface, so that nothing pulls; use a smaller distance or a pattern with more waves",
+                time=state.time,
+            )
         return _risen(self.spreading.forces(kernels, np.array(forces)), self.term.ramp, state.time)
 
 
