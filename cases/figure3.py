@@ -7,7 +7,7 @@ The cortex grows by 130 % along its surface, the core by 5 % along it and 10 % a
 swells by 20 % more: values chosen by cases/growth_of_the_core.py. The pattern has 24 half waves: 11 peaks,
 and half a peak at each end of the pial surface. Without pattern the axons pull equally at as many places.
 
-    --set core=1 --set radial_core=1 --set swelling=0 --set cortex=1.9      only the cortex grows
+    --set growth_law=cortex   only the cortex grows
     --set growth_law=stress   the core grows in response to the stress that it bears
     --set loads=figure1       arrows on the pial surface in place of the tension (sulci on the peaks)
     --set halved=on           half is computed, and mirrored: half the time and energy, no asymmetry

@@ -29,7 +29,7 @@ from ..terms.tension import AxonalTension
 from ..turing.kinetics.named import kinetics_named
 from ..turing.process import Turing
 
-GROWTH_LAWS = "prescribed", "stress"
+GROWTH_LAWS = "prescribed", "stress", "cortex"
 LOADS = "tension", "figure1"
 REST = 1.0  # s after growth in which a motion dies
 SWELLING_EDGE = 0.25  # of the inner core's smaller semi-axis, over which swelling sets in
@@ -102,23 +102,23 @@ def growth(
 
     cortex, core: tangential factors at the end.  radial_core: radial factor of the core.
     swelling: excess of the stretch, in x, y and z, inside half the body's semi-axes.
-    law: "prescribed", or "stress": white matter grows along the stress that it bears in place of `core` and
-    `radial_core`, at `rate` over the shear modulus of the white matter of `solid` and `duration`.
+    law: "prescribed"; "cortex", which alone grows; or "stress": white matter grows along the stress that it
+    bears in place of `core` and `radial_core`, at `rate` over the shear modulus of the white matter of `solid`
+    and `duration`.
     """
     one_of("law", law, GROWTH_LAWS)
     history = history or Linear()
-    driven = law == "stress"
-    if driven:
+    if law != "prescribed":
         core = radial_core = 1.0
     found: list[Process] = [
         TangentialGrowth(cortex=cortex, core=core, radial_core=radial_core, history=history)
     ]
-    if swelling:
+    if swelling and law != "cortex":
         width, height = 0.5 * np.ptp(body.nodes[0]), float(body.nodes[1].max())
         axes = 0.5 * float(width) * (2 if body.mirror else 1), 0.5 * height
         inner = Ellipse(centre=(0.0, 0.0), semi_axes=axes, edge=SWELLING_EDGE * min(axes))
         found.append(Swelling(coefficient=swelling, zone=inner, history=history))
-    if driven:
+    if law == "stress":
         solid = solid or tissue()
         modulus = (solid.white or solid.gray).mu
         found.append(StressGrowth(rate=rate / (modulus * duration)))
