@@ -103,8 +103,8 @@ def growth(
     cortex, core: tangential factors at the end.  radial_core: radial factor of the core.
     swelling: excess of the stretch, in x, y and z, inside half the body's semi-axes.
     law: "prescribed"; "cortex", which alone grows; or "stress": white matter grows along the stress that it
-    bears in place of `core` and `radial_core`, at `rate` over the shear modulus of the white matter of `solid`
-    and `duration`.
+    bears in place of `core` and `radial_core`, at `rate` over the shear modulus of `solid`'s white matter and
+    `duration`.
     """
     one_of("law", law, GROWTH_LAWS)
     history = history or Linear()

@@ -38,7 +38,7 @@ Core = Annotated[float, Parameter("", 0.3, 5, "tangential growth of the core", r
 RadialCore = Annotated[float, Parameter("", 0.3, 5, "radial growth of the core", remedy=GROWTH)]
 Swelling = Annotated[float, Parameter("", -0.5, 2, "swelling of the inner core, stretch less 1")]
 GrowthLaw = Annotated[
-    str, Parameter(label="what the core's growth follows; cortex: it does not grow", choices=("prescribed", "stress", "cortex"))
+    str, Parameter(label="what the core's growth follows", choices=("prescribed", "stress", "cortex"))
 ]
 StressRate = Annotated[float, Parameter("", 1e-3, 1e3, "rate of growth by stress, over modulus and duration")]
 Tension = Annotated[bool, Parameter(label="axons pull (ATH)")]
