@@ -119,6 +119,7 @@ from .terms.elastic.term import Elastic as Elastic
 from .terms.tension import AxonalTension as AxonalTension
 from .turing.continuation import steady_branch as steady_branch
 from .turing.evolving import EvolvingTuring as EvolvingTuring
+from .turing.given import PatternMap as PatternMap
 from .turing.kinetics.activator_inhibitor import FitzHughNagumo as FitzHughNagumo
 from .turing.kinetics.activator_inhibitor import GiererMeinhardt as GiererMeinhardt
 from .turing.kinetics.activator_inhibitor import KochMeinhardt as KochMeinhardt

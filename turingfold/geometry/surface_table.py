@@ -103,13 +103,37 @@ def on_surface(body: Body, places: Places, values: Array, between: str) -> Array
     any place that of the place nearest in the plane.
     Raises ValueError for points farther from the surface than the cortex is thick.
     """
+    points = body.quadrature.points.reshape(2, -1)
+    return _on(body, places, values, between, points, body.arc.ravel()).reshape(body.arc.shape)
+
+
+def values_at(body: Body, places: Places, values: Array, between: str, points: Array) -> Array:
+    """Return values (k,) at places of the pial surface at points (2, n) of the body, as `on_surface` does."""
+    return _on(body, places, values, between, points, body.pial_curves.nearest(points)[2])
+
+
+def evenly(body: Body, count: int, what: str) -> Places:
+    """Return evenly spaced shares of the pial surface; of a closed one without its end, which is its start.
+
+    what: the part that has no places.
+    Raises ValueError on half a body: values beyond the mirror would change nothing.
+    """
+    if body.mirror:
+        shares = ", ".join(f"{share:.3g}" for share in np.linspace(0.0, 0.5, count))
+        raise ValueError(
+            f"{what}: its {count} values are without places, and on half a body some lie beyond the mirror "
+            f"and change nothing; give places as shares of the whole surface's length, such as "
+            f"places=({shares})."
+        )
+    return tuple(np.linspace(0.0, 1.0, count, endpoint=not body.pial_curve.closed).tolist())
+
+
+def _on(body: Body, places: Places, values: Array, between: str, points: Array, arc: Array) -> Array:
+    """Return values (k,) at points (2, n) of the body with arc lengths (n,)."""
     curves = body.pial_curves
     length = curves.length * (2.0 if body.mirror else 1.0)
     knots = _arcs(places, curves, length, body.thickness)
-    points = body.quadrature.points
-    return _interpolated(
-        body.arc.ravel(), knots, values, curves, between, points.reshape(2, -1)
-    ).reshape(body.arc.shape)  # fmt: skip
+    return _interpolated(arc, knots, values, curves, between, points)
 
 
 def _arcs(places: Places, curves: Curves, length: float, farthest: float) -> Array:

@@ -12,7 +12,7 @@ from ..checks import finite_array, instance, one_of
 from ..errors import InadmissibleStateError
 from ..geometry.body import Body
 from ..geometry.layers import cortex_indicator
-from ..geometry.surface_table import BETWEEN, Places, SurfaceTable, checked_places, on_surface
+from ..geometry.surface_table import BETWEEN, Places, SurfaceTable, checked_places, evenly, on_surface
 from ..state import State
 from .ages import Ages, Weeks
 from .histories import History, Linear
@@ -57,27 +57,17 @@ class GrowthMap(GrowthLaw):
         instance("history", self.history, History, "Linear() or Exponential()")
 
     def on(self, body: Body) -> GrowthOnBody:
-        """Return the law on a body.
-
-        Raises ValueError on half a body without places: factors beyond the mirror would change nothing.
-        """
-        count = len(self.cortex)
-        if body.mirror and self.places is None:
-            shares = ", ".join(f"{share:.3g}" for share in np.linspace(0.0, 0.5, count))
-            raise ValueError(
-                f"GrowthMap: its {count} factors are without places, and on half a body some lie beyond the "
-                "mirror and change nothing; give places as shares of the whole surface's length, such as "
-                f"places=({shares})."
-            )
+        """Return the law on a body; raises ValueError on half a body without places."""
+        self._places(body)
         return super().on(body)
+
+    def _places(self, body: Body) -> Places:
+        return self.places or evenly(body, len(self.cortex), "GrowthMap")
 
     def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
         """Return g_t and g_n = 1 at a time."""
-        values, places = np.array([self.history.factor(final, time) for final in self.cortex]), self.places
-        if places is None:
-            evenly = np.linspace(0.0, 1.0, len(values), endpoint=not body.pial_curve.closed)
-            places = tuple(evenly.tolist())
-        return _grown(body, on_surface(body, places, values, self.between))
+        values = np.array([self.history.factor(final, time) for final in self.cortex])
+        return _grown(body, on_surface(body, self._places(body), values, self.between))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,8 +30,7 @@ from ..scene import Scene
 from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
-from ..studies.sweep import with_value
-from .parameters import change, check_path, number_of
+from .parameters import change, changed_in, check_path, number_of
 from .smoothing import SPLINE, second_differences, smoothest
 from .tangent import Tangent
 from .targets import checked_targets
@@ -203,7 +202,7 @@ class _Inverse:
     def _with(self, values: Array) -> Scene:
         scene = self.scene
         for name, value in zip(self.parameters, values.tolist(), strict=True):
-            scene = with_value(scene, name, value)
+            scene = changed_in(scene, name, value)
         return scene
 
     def _equilibria(self, scene: Scene, values: Array) -> dict[float, Array]:

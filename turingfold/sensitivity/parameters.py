@@ -8,18 +8,19 @@ order h⁴, and how far the two lie apart says how large they are.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..parts import Process, TimeStep
+from ..parts import Load, Process, TimeStep
 from ..scene import Scene, stress_scale
 from ..solve.problem import Problem
 from ..state import State
 from ..studies.sweep import value_of, with_value
 
+THICKNESS = "Body.thickness"
 STEP = 1e-3  # change of a parameter, relative to it; of one that is 0, in its own unit
 
 
@@ -49,6 +50,8 @@ def change(scene: Scene, state: State, x: Array, parameter: str, step: TimeStep)
 
 def number_of(scene: Scene, parameter: str) -> float:
     """Return the value of a parameter that is a number; raises ValueError for any other."""
+    if parameter == THICKNESS:
+        return _thickness(scene)
     part = parameter.partition(".")[0]
     if part in ("Scene", "Stepping"):
         raise ValueError(f"{parameter} is no parameter of a part; give one such as TangentialGrowth.cortex.")
@@ -59,6 +62,37 @@ def number_of(scene: Scene, parameter: str) -> float:
             "a sensitivity."
         )
     return value
+
+
+def changed_in(scene: Scene, parameter: str, value: float) -> Scene:
+    """Return the scene with another value of a parameter, and the same mesh.
+
+    Raises ValueError where a part refuses the value.
+    """
+    if parameter == THICKNESS:
+        return replace(scene, body=replace(scene.body, thickness=value))
+    return with_value(scene, parameter, value)
+
+
+def _thickness(scene: Scene) -> float:
+    """Return the cortical thickness, which layers that pass smoothly into each other may change on a mesh.
+
+    Raises ValueError where the mesh has the interface, or a part acts on it.
+    """
+    body = scene.body
+    bound = [type(part).__name__ for part in scene.processes if "pattern" in part.writes]
+    bound += [type(part).__name__ for part in scene.terms if isinstance(part, Load)]
+    if body.layers != "sigmoid" or body.depth_by != "thickness":
+        raise ValueError(
+            f"{THICKNESS}: the gray-white interface is one of the mesh, which stays; make the body with "
+            'layers="sigmoid" and no interface= of its own, or run it with other thicknesses.'
+        )
+    if bound:
+        raise ValueError(
+            f"{THICKNESS}: {bound[0]} acts on the cortex that the mesh has, which stays; run the scene with "
+            "other thicknesses."
+        )
+    return body.thickness
 
 
 def numbers_of(scene: Scene) -> tuple[str, ...]:
@@ -75,7 +109,7 @@ def numbers_of(scene: Scene) -> tuple[str, ...]:
         if kinds.count(kind) == 1
         for name in _numbers(kind, part)
     ]
-    return tuple(name for name in names if _may_change(scene, name))
+    return tuple(name for name in [*names, THICKNESS] if _may_change(scene, name))
 
 
 def _numbers(name: str, value: Any) -> Iterator[str]:
@@ -92,10 +126,10 @@ def _numbers(name: str, value: Any) -> Iterator[str]:
 
 
 def _may_change(scene: Scene, parameter: str) -> bool:
-    value = number_of(scene, parameter)
     try:
+        value = number_of(scene, parameter)
         for h in (-STEP, STEP):
-            with_value(scene, parameter, value * (1 + h))
+            changed_in(scene, parameter, value * (1 + h))
     except ValueError:
         return False
     return True
@@ -106,7 +140,7 @@ def _difference(
 ) -> Array:
     """Return the central difference of forces and energy, (2 n_nodes + 1,)."""
     up, down = (
-        _forces(scene, with_value(scene, parameter, at), state, x, step) for at in (value + h, value - h)
+        _forces(scene, changed_in(scene, parameter, at), state, x, step) for at in (value + h, value - h)
     )
     return (up - down) / (2 * h)
 
@@ -117,9 +151,10 @@ def _forces(scene: Scene, changed: Scene, state: State, x: Array, step: TimeStep
     now = state.updated(**fields)
     total = np.zeros(len(x) + 1)
     for old, new in zip(scene.terms, changed.terms, strict=True):
-        if new is old and not {*old.reads, *old.optional} & set(fields):
+        kept = new is old and changed.body is scene.body
+        if kept and not {*old.reads, *old.optional} & set(fields):
             continue
-        potential = new.on(scene.body).during(now, step)
+        potential = new.on(changed.body).during(now, step)
         at = None if potential is None else potential.evaluate(x)
         if at is not None:
             total[:-1] += at.gradient()[0]
@@ -140,7 +175,8 @@ def _processed(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:
     reached: list[Process] = []
     names: set[str] = set()
     for old, new in zip(scene.processes, changed.processes, strict=True):
-        if new is not old or names & {*new.reads, *new.optional, *new.writes}:
+        other = new is not old or changed.body is not scene.body
+        if other or names & {*new.reads, *new.optional, *new.writes}:
             reached.append(new)
             names |= set(new.writes)
     if not reached:
@@ -149,7 +185,7 @@ def _processed(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:
     reached = [p for p in changed.processes if names & set(p.writes)]
     made = {name for process in reached for name in process.writes}
     kept = {name: state[name] for name in state.fields if name not in made}
-    evolutions = [(process, process.on(scene.body)) for process in reached]
+    evolutions = [(process, process.on(changed.body)) for process in reached]
     before, now = State(0.0, kept), State(state.time, kept)
     for _, evolution in evolutions:
         before = before.updated(**evolution.start(before, scene.seed))

@@ -16,8 +16,7 @@ from ..solve.inertia import Factors
 from ..solve.problem import Problem, configuration
 from ..solve.sparsity import Assembler
 from ..state import State
-from ..studies.sweep import with_value
-from .parameters import fields_of, number_of
+from .parameters import changed_in, fields_of, number_of
 
 MISSED = 0.1  # share of a displacement that the linear answer may miss
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
@@ -67,7 +66,7 @@ def _missed(
 ) -> float | None:
     """Return the share of a displacement that the linear answer misses; None for what is not admissible."""
     try:
-        changed = with_value(scene, parameter, number_of(scene, parameter) + change)
+        changed = changed_in(scene, parameter, number_of(scene, parameter) + change)
     except ValueError:
         return None
     problem, x = Problem(changed), by_node(state["displacement"])
