@@ -40,6 +40,7 @@ from turingfold import (
     read_outline,
     run_case,
     similarity_null,
+    thickness_profile,
 )
 from turingfold import parameters as p
 
@@ -94,21 +95,21 @@ def scenes(
 def table(results):
     section = adult()
     real, T = section.pial[0], float(np.nanmedian(section.thickness()[0]))
-    rows = [measured("adult", real, T)]
+    rows = [measured("adult", real, T, section.thickness()[0])]
     for name, result in results.items():
         grown, body = result.pial(), result.scene.body
         start = body.nodes[:, body.pial]
         null = similarity_null(real, grown, starts=(None, start), thickness=T)
         low, high = null.foldings.quantile(0.05), null.foldings.quantile(0.95)
-        rows.append(measured(name, grown, body.thickness) | {
+        rows.append(measured(name, grown, body.thickness, thickness_profile(body, result.last).grown) | {
             "similarity to the adult": null.value, "of the best circle": null.circle,
             "of the start": null.start, "of random foldings": f"{low:.2f} to {high:.2f}",
         })  # fmt: skip
     return [dict.fromkeys(rows[-1]) | row for row in rows]
 
 
-def measured(name, points, T):
-    """Return the measures of a pial surface, T the thickness of its cortex, m."""
+def measured(name, points, T, along):
+    """Return the measures of a pial surface; T the cortex's nominal thickness, `along` that at points; m."""
     folds = find_folds(points, thickness=T, closed=True)
     return {
         "section": name,
@@ -117,6 +118,8 @@ def measured(name, points, T):
         "sulci": folds.count,
         "depth (mm)": 1e3 * folds.depth,
         "perimeter (mm)": 1e3 * perimeter(points),
+        "cortex (mm)": 1e3 * float(np.nanmedian(along)),
+        "cortex, gyri over sulci": float(np.nanmean(along[folds.gyri]) / np.nanmean(along[folds.sulci])),
     }
 
 

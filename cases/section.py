@@ -9,7 +9,8 @@
 
 The cortex is 2.5 mm thick, or as thick as the white surface says, and grows along both of its directions, in
 the plane and across it, to 1.7 times its length; the pial surface touches itself and does not cross. Moduli
-are those of document 1. With skull=0.002 a skull lies 2 mm around the convex hull.
+are those of document 1. With skull=0.002 a skull lies 2 mm around the convex hull. Below, the cortex's
+thickness along its surface, undeformed and deformed.
 
 Without a file: a hemisphere's outline, r = R (1 + 0.15 cos 2φ - 0.2 e^{-(φ/0.4)²} + 0.03 sin 3φ), R = 25 mm,
 with the shallow pit of the insula at its side.
@@ -26,6 +27,7 @@ from turingfold import (
     read_section,
     run_case,
     skull_around,
+    thickness_profile,
 )
 from turingfold import outline as body_of
 from turingfold import parameters as p
@@ -67,10 +69,23 @@ def scenes(
     return {"section": Scene(body=body, processes=(grow,), terms=(solid, contact))}
 
 
-def draw(results, figure):
+def computed(results):
+    profile = thickness_profile(results["section"].scene.body, results["section"].last)
+    return {"arc": profile.arc, "start": profile.start, "grown": profile.grown, "words": [str(profile)]}
+
+
+def draw(results, figure, computed):
     result = results["section"]
-    figure.set_size_inches(11, 5.5)
-    before, after = figure.subplots(1, 2)
+    figure.set_size_inches(11, 7.5)
+    grid = figure.add_gridspec(2, 2, height_ratios=(3, 1))
+    before, after = (figure.add_subplot(grid[0, k]) for k in (0, 1))
+    along = figure.add_subplot(grid[1, :])
+    for name, color in (("start", figures.INK), ("grown", "#b0413e")):
+        along.plot(1e3 * computed["arc"], 1e3 * computed[name], color=color, linewidth=1, label=name)
+    along.set_xlabel("along the undeformed pial surface (mm)")
+    along.set_ylabel("cortex (mm)")
+    along.set_title(computed["words"][0])
+    along.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     body = result.scene.body
     figures.tissue(before, body)
     before.set_title(f"{body.mesh.nelements} triangles, {len(body.pial_paths)} closed pial curve(s)")

@@ -90,6 +90,8 @@ from .results.result import load as load
 from .results.simulate import CoarseMeshWarning as CoarseMeshWarning
 from .results.simulate import StoppedError as StoppedError
 from .results.simulate import simulate as simulate
+from .results.thickness import ThicknessProfile as ThicknessProfile
+from .results.thickness import thickness_profile as thickness_profile
 from .results.watch import Tracker as Tracker
 from .scene import Scene as Scene
 from .sensitivity.adjoint import AdjointSensitivity as AdjointSensitivity
