@@ -59,7 +59,7 @@ def fitted(request: Request, running: Running, asked: Asked) -> int:
     base = base_folder(case, request)
     found = fit(
         one.scene, targets, to, bounds=asked.bounds, smoothness=asked.smoothness, noise=asked.noise, out=base,
-        progress=lambda misfit: say(f"misfit {misfit:.3g} m"),
+        resume=running.resume, progress=lambda misfit: say(f"misfit {misfit:.3g} m"),
     )  # fmt: skip
     write_table(base / TABLE, ("parameter", "value", "standard_error"), _rows(found))
     say(_told(found))

@@ -79,7 +79,7 @@ class SurfaceTable:
         nodes = np.stack([ring, 0.5 * (ring + np.roll(ring, -1, axis=1))], axis=2).reshape(2, -1)
         curves = Curves((Curve(nodes, closed=True),))
         farthest = 0.25 * float(np.ptp(ring, axis=1).max())
-        knots = _arcs(self.places, curves, curves.length, farthest)
+        knots = arcs_of(self.places, curves, curves.length, farthest)
         return _interpolated(curves.parts[0].arc[::2], knots, values, curves, between, ring)
 
 
@@ -132,12 +132,16 @@ def _on(body: Body, places: Places, values: Array, between: str, points: Array, 
     """Return values (k,) at points (2, n) of the body with arc lengths (n,)."""
     curves = body.pial_curves
     length = curves.length * (2.0 if body.mirror else 1.0)
-    knots = _arcs(places, curves, length, body.thickness)
+    knots = arcs_of(places, curves, length, body.thickness)
     return _interpolated(arc, knots, values, curves, between, points)
 
 
-def _arcs(places: Places, curves: Curves, length: float, farthest: float) -> Array:
-    """Return the arc lengths of places on curves, (k,)."""
+def arcs_of(places: Places, curves: Curves, length: float, farthest: float) -> Array:
+    """Return the arc lengths of places on curves, (k,).
+
+    length: of which places by share are shares.
+    Raises ValueError for points farther from the curves than `farthest`.
+    """
     given = np.array(places)
     if given.ndim == 1:
         return np.asarray(given * length)

@@ -30,6 +30,8 @@ from ..scene import Scene
 from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
+from .fit_setup import BEST, best_so_far, limits
+from .landmarks import Landmarks, checked_landmarks
 from .parameters import change, changed_in, check_path, number_of
 from .smoothing import SPLINE, second_differences, smoothest
 from .tangent import Tangent
@@ -66,11 +68,13 @@ def fit(
     targets: Mapping[float, Any],
     to: Sequence[str],
     *,
-    bounds: tuple[float, float] | None = None,
+    bounds: tuple[float, float] | Mapping[str, tuple[float, float]] | None = None,
+    landmarks: Mapping[float, Sequence[tuple[Any, Any]]] | None = None,
     smoothness: float | Literal["auto"] = 0.0,
     noise: float | None = None,
     tolerance: float = 1e-8,
     out: Path | None = None,
+    resume: bool = False,
     progress: Callable[[float], object] | None = None,
 ) -> Fit:
     """Return the parameters with which the scene's pial surface comes closest to target outlines.
@@ -78,11 +82,15 @@ def fit(
     targets: by age (the scene's time), points (2, n) in m, in order; open ones reach as far as the pial
     surface; a body that nothing supports is laid on them first.  to: parameters, such as
     "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
-    bounds: least and largest value of all.  smoothness: weight of the second differences of values that are
-    neighbours in one map, against distances in units of the cortical thickness; "auto": as much as the noise
-    allows, or by the L-curve (see `smoothing.smoothest`).  noise: standard deviation of
-    the targets, m, for the standard errors; else they follow from the misfit.  out: a folder in which
-    fit.json always holds the best so far.  progress: is called with each root mean square misfit, m.
+    bounds: least and largest value of all, or by parameter or map ("GrowthMap.cortex") of those named.
+    landmarks: by age, pairs of a place on the undeformed surface, a share of its length or a point in m, and
+    the point, m, where it is at that age; each counts as much as a point of the outline.
+    smoothness: weight of the second differences of values that are neighbours in one map, against distances
+    in units of the cortical thickness; "auto": as much as the noise allows, or by the L-curve (see
+    `smoothing.smoothest`).  noise: standard deviation of the targets, m, for the standard errors; else they
+    follow from the misfit.
+    out: a folder in which fit.json always holds the best so far.  resume: begin with that, if it is there.
+    progress: is called with each root mean square misfit, m.
     Raises ValueError for targets that cross themselves or are far off, ages outside the scene, and scenes
     whose state depends on the way to it; NotConvergedError where the scene itself does not reach the ages.
     """
@@ -94,21 +102,23 @@ def fit(
         def again(weight: float, last: Fit | None) -> Fit:
             begun = scene if last is None else last.scene
             return fit(
-                begun, targets, to, bounds=bounds, smoothness=weight, noise=noise, tolerance=tolerance,
-                out=out, progress=progress,
+                begun, targets, to, bounds=bounds, landmarks=landmarks, smoothness=weight, noise=noise,
+                tolerance=tolerance, out=out, resume=resume and last is None, progress=progress,
             )  # fmt: skip
 
         found, how = smoothest(again, noise)
         return replace(found, message=f"{found.message} {how}")
     curves = checked_targets(scene, targets)
+    marks = checked_landmarks(scene.body, curves, landmarks or {})
     values = np.array([number_of(scene, parameter) for parameter in to])
+    if resume and out is not None:
+        values = best_so_far(out, tuple(to), values)
     closed = pial_closed(scene.body)
     smooth = {age: through(points, closed=closed) for age, points in curves.items()}
     given = {age: points.shape[1] for age, points in curves.items()}
-    problem = _Inverse(scene, tuple(to), smooth, given, smoothness, out, progress)
-    low, high = (-np.inf, np.inf) if bounds is None else bounds
+    problem = _Inverse(scene, tuple(to), smooth, given, marks, smoothness, out, progress)
     solved = least_squares(
-        problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
+        problem.residuals, values, jac=problem.jacobian, bounds=limits(bounds, to), x_scale="jac",
         xtol=tolerance, ftol=1e-15, gtol=None,
     )  # fmt: skip
     return problem.result(np.asarray(solved.x), str(solved.message), noise)
@@ -122,6 +132,7 @@ class _Inverse:
     parameters: tuple[str, ...]
     targets: dict[float, Array]
     given: dict[float, int]  # points of each target
+    landmarks: dict[float, Landmarks]
     smoothness: float
     out: Path | None
     progress: Callable[[float], object] | None
@@ -145,6 +156,7 @@ class _Inverse:
             return np.full(self._count(), 1e3)  # scipy goes back to shorter steps
         self._at, self._x, self._moves = values.copy(), x, {}
         rows = [self._distances(age, x[age])[0] for age in self.targets]
+        rows += [self._mark * own.apart(x[age]).ravel() for age, own in self.landmarks.items()]
         found = np.concatenate([*rows, self._roughness() @ values])
         self._keep(values, found)
         return found
@@ -169,12 +181,21 @@ class _Inverse:
             ways = np.stack([self._pial(move, moved=False) for move in self._moves[age]])
             moved = np.einsum("in,pin->np", normals, ways) * self._weights()[:, None]
             rows.append(without_rigid(moved, rigid))
+        for age, own in self.landmarks.items():
+            rows.append(self._mark * np.stack([own.moved(move).ravel() for move in self._moves[age]], axis=1))
         return np.concatenate([*rows, self._roughness()])
+
+    @property
+    def _mark(self) -> float:
+        """The weight of a landmark: that of a point of the outlines; 1/m."""
+        points = sum(self.given.values()) / len(self.given)
+        return float(1.0 / (np.sqrt(points) * self.scene.body.thickness))
 
     def result(self, values: Array, message: str, noise: float | None) -> Fit:
         """Return what was found, with standard errors."""
         jacobian = self.jacobian(values)
-        rows = sum(len(self._distances(age, self._x[age])[0]) for age in self.targets)
+        marked = self._marked()
+        rows = marked + sum(len(self._distances(age, self._x[age])[0]) for age in self.targets)
         residual = self.residuals(values)[:rows]
         data, T = jacobian[:rows], self.scene.body.thickness
         scale = np.maximum(np.linalg.norm(data, axis=0), 1e-300)
@@ -182,7 +203,7 @@ class _Inverse:
         told = singular > DISTINCT * singular[0]
         # outlines hold as many independent errors as points, and the weights of an age add up to 1/T²
         count = sum(self.given.values())
-        variance = float(residual @ residual) / SPLINE / max(count - len(values), 1)
+        variance = float(residual @ residual) / SPLINE / max(count + marked - len(values), 1)
         if noise is not None:
             variance = (noise / T) ** 2 * len(self.targets) / count
         spread = ((modes[told] / singular[told, None]) ** 2).sum(0)
@@ -272,7 +293,11 @@ class _Inverse:
         return self.smoothness * rows if self.smoothness > 0 else rows[:0]
 
     def _count(self) -> int:
-        return len(self.targets) * len(self._weights()) + len(self._roughness())
+        return len(self.targets) * len(self._weights()) + self._marked() + len(self._roughness())
+
+    def _marked(self) -> int:
+        """Return the number of coordinates of all landmarks."""
+        return sum(own.targets.size for own in self.landmarks.values())
 
     def _keep(self, values: Array, residual: Array) -> None:
         misfit = float(np.linalg.norm(residual)) * self.scene.body.thickness / np.sqrt(len(self.targets))
@@ -282,7 +307,7 @@ class _Inverse:
                 self.out.mkdir(parents=True, exist_ok=True)
                 best = dict(zip(self.parameters, values.tolist(), strict=True))
                 document = {"misfit": misfit, "parameters": best, "solves": self.solves}
-                write_whole(self.out / "fit.json", json.dumps(document, indent=1).encode())
+                write_whole(self.out / BEST, json.dumps(document, indent=1).encode())
         if self.progress is not None:
             self.progress(misfit)
 

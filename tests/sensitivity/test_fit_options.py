@@ -1,0 +1,104 @@
+"""Landmarks beside outlines, limits of single parameters, and going on from the best so far."""
+
+import json
+
+import numpy as np
+import pytest
+
+from turingfold import Elastic, GrowthMap, NeoHookean, Scene, Stepping, fit, half, semicircle, simulate
+from turingfold.geometry.body import by_node
+from turingfold.results.surface import along_pial
+from turingfold.sensitivity.landmarks import landmarks_of
+
+SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
+PLACES = (0.0, 0.25, 0.5)
+NAMES = [f"GrowthMap.cortex.{k}" for k in range(3)]
+
+
+def scene(values=(1.1, 1.3, 1.15)):
+    body = half(semicircle(radius=1.0, thickness=0.25, elements=2))
+    processes = (GrowthMap(cortex=values, places=PLACES),)
+    return Scene(body=body, terms=(SOLID,), processes=processes, stepping=Stepping(first=0.25, largest=0.25))
+
+
+@pytest.fixture(scope="module")
+def hidden():
+    return simulate(scene())
+
+
+def test_landmarks_are_points_of_the_tissue_also_on_the_image_of_half_a_body(hidden):
+    body = hidden.scene.body
+    x = by_node(hidden.last["displacement"])
+    surface = along_pial(body, body.nodes[:, body.pial])
+    moved = hidden.pial()
+    shares = np.concatenate([body.pial_arc, 2 * body.pial_arc[-1] - body.pial_arc[-2::-1]])
+    shares /= 2 * body.pial_arc[-1]
+    chosen = [3, 8, len(shares) - 5]  # the last one beyond the mirror
+    given = [(float(shares[k]), tuple(moved[:, k])) for k in chosen]
+    marks = landmarks_of(body, 1.0, given)
+    assert marks.mirrored.tolist() == [False, False, True]
+    np.testing.assert_allclose(marks.apart(x), 0.0, atol=1e-12)
+    np.testing.assert_allclose(marks.apart(0 * x), surface[:, chosen] - moved[:, chosen], atol=1e-12)
+    by_point = landmarks_of(body, 1.0, [(tuple(surface[:, k]), tuple(moved[:, k])) for k in chosen[:2]])
+    np.testing.assert_allclose(by_point.apart(x), 0.0, atol=1e-6)
+
+
+def test_landmarks_tell_what_an_outline_does_not(hidden):
+    """An outline of the right size at landmarks elsewhere: the fit leaves the outline for them."""
+    body = hidden.scene.body
+    node = len(body.pial) // 2
+    share = body.pial_arc[node] / (2 * body.pial_arc[-1])
+    target = hidden.pial()[:, node]
+    true = fit(scene((1.2, 1.2, 1.2)), {1.0: hidden.pial()}, NAMES, landmarks={1.0: [(share, target)]})
+    np.testing.assert_allclose(true.values, (1.1, 1.3, 1.15), atol=2e-3)
+    along = target + 0.05 * np.array([-target[1], target[0]])
+    drawn = fit(
+        scene((1.2, 1.2, 1.2)), {1.0: hidden.pial()}, NAMES, bounds=(1.0, 1.6),
+        landmarks={1.0: 40 * [(share, along)]},
+    )  # fmt: skip
+    mark = landmarks_of(body, 1.0, [(share, along)])
+    ends = [by_node(simulate(one.scene).last["displacement"]) for one in (true, drawn)]
+    away = [float(np.hypot(*mark.apart(x)).item()) for x in ends]
+    assert away[1] < 0.8 * away[0]
+
+
+def test_limits_of_one_map_and_of_one_parameter(hidden):
+    found = fit(
+        scene((1.2, 1.2, 1.2)), {1.0: hidden.pial()}, [*NAMES, "Elastic.gray.kappa"],
+        bounds={"GrowthMap.cortex": (1.0, 1.25), "Elastic.gray.kappa": (4.0, 6.0)},
+    )  # fmt: skip
+    assert found.values[:3].max() <= 1.25
+    assert found.values[1] == pytest.approx(1.25, abs=1e-3)  # the hidden value is beyond it
+    assert 4.0 <= found.values[3] <= 6.0
+    for bounds, words in (({"Elastic.gray.mu": (1, 2)}, "not fitted"), ((1.5, 1.0), "in this order")):
+        with pytest.raises(ValueError, match=words):
+            fit(scene(), {1.0: hidden.pial()}, NAMES, bounds=bounds)
+
+
+def test_a_fit_goes_on_from_the_best_so_far(hidden, tmp_path):
+    first = fit(scene((1.2, 1.2, 1.2)), {1.0: hidden.pial()}, NAMES, out=tmp_path)
+    told = []
+    again = fit(
+        scene((1.2, 1.2, 1.2)), {1.0: hidden.pial()}, NAMES, out=tmp_path, resume=True, progress=told.append
+    )
+    assert told[0] == pytest.approx(json.loads((tmp_path / "fit.json").read_text())["misfit"], abs=1e-9)
+    np.testing.assert_allclose(again.values, first.values, atol=1e-6)
+    with pytest.raises(ValueError, match="other parameters"):
+        fit(scene(), {1.0: hidden.pial()}, ["Elastic.gray.kappa"], out=tmp_path, resume=True)
+    (tmp_path / "fit.json").write_text("{")
+    with pytest.raises(ValueError, match="damaged"):
+        fit(scene(), {1.0: hidden.pial()}, NAMES, out=tmp_path, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("marks", "words"),
+    [
+        ({0.5: [(0.1, (1.0, 0.0))]}, "no outline of it"),
+        ({1.0: [(0.1, (1.0, 0.0, 0.0))]}, r"landmarks\[1\]"),
+        ({1.0: [0.1]}, "pairs of place and point"),
+        ({1.0: [((5.0, 5.0), (1.0, 0.0))]}, "from the pial surface"),
+    ],
+)
+def test_what_are_no_landmarks_is_refused(hidden, marks, words):
+    with pytest.raises(ValueError, match=words):
+        fit(scene(), {1.0: hidden.pial()}, NAMES, landmarks=marks)

@@ -1,0 +1,54 @@
+"""Where a fit begins, and within which limits."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..arrays import Array
+
+BEST = "fit.json"
+
+
+def limits(
+    bounds: tuple[float, float] | Mapping[str, tuple[float, float]] | None, to: Sequence[str]
+) -> tuple[Array, Array]:
+    """Return the least and largest value of each parameter, (p,); infinite where none are given.
+
+    bounds: of all parameters, or by their names or those of maps, such as "GrowthMap.cortex".
+    Raises ValueError for a name that is none of the parameters, and limits in the wrong order.
+    """
+    low, high = np.full(len(to), -np.inf), np.full(len(to), np.inf)
+    named = {"": bounds} if isinstance(bounds, tuple | list) else dict(bounds or {})
+    for name, pair in named.items():
+        own = [not name or one == name or one.startswith(f"{name}.") for one in to]
+        if not any(own):
+            raise ValueError(f"bounds names {name}, which is not fitted; fitted are {', '.join(to)}.")
+        low[own], high[own] = pair
+    if not (low < high).all():
+        raise ValueError(f"bounds={bounds!r}: each is the least and the largest value, in this order.")
+    return low, high
+
+
+def best_so_far(folder: Path, to: tuple[str, ...], values: Array) -> Array:
+    """Return the values that an earlier fit in a folder came to, (p,), or those given where there is none.
+
+    Raises ValueError where it was one of other parameters, or its file is damaged.
+    """
+    file = folder / BEST
+    if not file.is_file():
+        return values
+    try:
+        known = json.loads(file.read_text(encoding="utf-8"))["parameters"]
+        found = np.array([float(known[name]) for name in to])
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(
+            f"{file} is damaged or of a fit with other parameters ({type(error).__name__}: {error}); fit in "
+            "another folder, or without resume."
+        ) from error
+    if set(known) != set(to):
+        raise ValueError(f"{file} is of a fit of {', '.join(known)}; fit in another folder.")
+    return found

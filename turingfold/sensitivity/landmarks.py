@@ -1,0 +1,85 @@
+"""Points of the pial surface whose places are known at an age, beside its outline."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array, Booleans, Integers
+from ..checks import finite_array
+from ..geometry.body import Body
+from ..geometry.surface_table import arcs_of, checked_places
+from ..results.surface import mirror_line
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Landmarks of one age on a body.
+
+    nodes, shares: of each on the surface, (3, k), the nodes of its edge and what each counts.
+    mirrored: whether it lies on the image of half a body, (k,).  targets: where they are, (2, k); m.
+    """
+
+    body: Body
+    nodes: Integers
+    shares: Array
+    mirrored: Booleans
+    targets: Array
+
+    def apart(self, x: Array) -> Array:
+        """Return how far the landmarks are from their targets at a displacement (2 n_nodes,), (2, k); m."""
+        there = self._of(self.body.nodes + x.reshape(-1, 2).T)
+        line = mirror_line(self.body) if self.mirrored.any() else 0.0
+        there[0] += np.where(self.mirrored, 2 * line, 0.0)
+        return np.asarray(there - self.targets)
+
+    def moved(self, x: Array) -> Array:
+        """Return what a displacement (2 n_nodes,) moves the landmarks by, (2, k)."""
+        return self._of(x.reshape(-1, 2).T)
+
+    def _of(self, at_nodes: Array) -> Array:
+        found = np.einsum("ak,iak->ik", self.shares, at_nodes[:, self.nodes])
+        found[0] *= np.where(self.mirrored, -1.0, 1.0)
+        return np.asarray(found)
+
+
+def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> Landmarks:
+    """Return landmarks as (place, point): where one is on the undeformed surface, and at that age, in m.
+
+    A place is a share of the pial surface's length, of half a body of the whole one's, or a point in m.
+    Raises ValueError for places off the surface, what are no pairs, and bodies that nothing supports.
+    """
+    what = f"landmarks[{age:g}]"
+    if not body.supported.size:
+        raise ValueError(f"{what}: nothing supports the body, which is laid on its target; give it a base.")
+    try:
+        places, points = zip(*given, strict=True)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} must be pairs of place and point, such as (0.25, (0.01, 0.04)).") from None
+    targets = finite_array(what, points, (len(points), 2)).T
+    curve, length = body.pial_curve, body.pial_curve.length
+    whole = length * (2.0 if body.mirror else 1.0)
+    arc = arcs_of(checked_places(places, len(points), what), body.pial_curves, whole, body.thickness)
+    mirrored = np.asarray(arc > length)
+    arc = np.where(mirrored, whole - arc, arc)
+    ends = np.append(curve.arc, length) if curve.closed else curve.arc
+    pial = np.append(body.pial, body.pial[0]) if curve.closed else body.pial
+    edge = np.clip(np.searchsorted(ends[::2], arc, side="right") - 1, 0, len(ends) // 2 - 1)
+    nodes = 2 * edge[None] + np.arange(3)[:, None]
+    low, middle, high = ends[nodes]
+    xi = np.where(arc < middle, (arc - middle) / (middle - low), (arc - middle) / (high - middle))
+    shares = np.stack([0.5 * xi * (xi - 1), (1 - xi) * (1 + xi), 0.5 * xi * (xi + 1)])
+    return Landmarks(body, pial[nodes], shares, mirrored, targets)
+
+
+def checked_landmarks(
+    body: Body, targets: Mapping[float, Array], given: Mapping[float, Sequence[tuple[Any, Any]]]
+) -> dict[float, Landmarks]:
+    """Return the landmarks by age; raises ValueError for an age without an outline."""
+    for age in given:
+        if float(age) not in targets:
+            raise ValueError(f"landmarks has the age {age:g}, and targets no outline of it.")
+    return {float(age): landmarks_of(body, age, marks) for age, marks in given.items()}
