@@ -139,6 +139,43 @@ def test_mistakes_in_a_process_are_said_and_change_nothing(process, message):
         simulate(elastic_scene(process))
 
 
+@dataclass(frozen=True)
+class Law(GrowthLaw):
+    """A growth law of a user's own, with mistakes that are given to it."""
+
+    found: Any = None
+    out_of_plane: str = "fixed"
+
+    def factors(self, body, state, time):
+        return self.found
+
+
+@dataclass(frozen=True)
+class Nowhere(Load):
+    """A load that is nothing on a body."""
+
+    def on(self, body):
+        return None
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (Law(1.0), r"Law.factors returned 1.0; it must be two arrays"),
+        (Law((1.0, 1.0), out_of_plane="tangental"), "out_of_plane='tangental' must be one of"),
+        (Law((1.0, 1.0)), r"the field 'growth' has shape \(3,\)"),
+    ],
+)
+def test_mistakes_in_a_growth_law_are_said(law, message):
+    with pytest.raises(ValueError, match=message):
+        simulate(elastic_scene(law))
+
+
+def test_a_part_that_is_nothing_on_a_body_is_named(body):
+    with pytest.raises(ValueError, match=r"Nowhere.on returned None; .*turingfold.extend.Operator"):
+        simulate(Scene(body=body, terms=(SOLID, Nowhere())))
+
+
 def test_a_state_keeps_its_fields_whatever_is_done_with_the_array():
     array = np.ones((2, 3))
     state = State(0.0, {"displacement": array})

@@ -265,6 +265,15 @@ class Solid(Term):
         """Return shear and bulk modulus at the integration points, each (q, e); Pa."""
 
 
+def check_kind(part: Part, found: object, kind: type) -> None:
+    """Raise ValueError where a part's `on` returned something else than what derives from a class."""
+    if not isinstance(found, kind):
+        raise ValueError(
+            f"{type(part).__name__}.on returned {str(found)[:60]}; it must return what derives from "
+            f"turingfold.extend.{kind.__name__}."
+        )
+
+
 def declared(part: Part, fields: object, by: str) -> Mapping[str, Array]:
     """Return the fields that a part made; raises ValueError for what is no dict of those it declares.
 

@@ -114,6 +114,13 @@ def test_a_lasting_hessian_that_comes_later_gets_its_places():
     np.testing.assert_allclose(full(pattern, values), dense(second, n), atol=1e-13)
 
 
+def test_both_halves_of_a_matrix_are_refused():
+    rows, columns = np.array([0, 1, 0, 1]), np.array([0, 0, 1, 1])
+    full = Hessian(Entries(rows, columns), np.array([2.0, -1.0, -1.0, 2.0]))
+    with pytest.raises(ValueError, match="entries above the diagonal, which would count twice"):
+        Assembler(2, np.zeros(0, dtype=np.int64)).assemble([full])
+
+
 def test_restored_places_give_the_same_pattern():
     n = 10
     lasting, passing = entries(n, 20, 0, constant=True), entries(n, 5, 1)

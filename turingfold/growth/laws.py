@@ -49,7 +49,8 @@ class GrowthLaw(Process):
         return ("growth",)
 
     def on(self, body: Body) -> GrowthOnBody:
-        """Return the law on a body."""
+        """Return the law on a body; raises ValueError for another `out_of_plane` than there is."""
+        one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
         return GrowthOnBody(self, body)
 
     @abstractmethod
@@ -77,7 +78,13 @@ class GrowthOnBody(Evolution):
 
     def _at(self, state: State) -> Fields:
         law, time = self.law, state.time
-        along, across = law.factors(self.body, state, time)
+        found = law.factors(self.body, state, time)
+        if not isinstance(found, tuple) or len(found) != 2:
+            raise ValueError(
+                f"{type(law).__name__}.factors returned {str(found)[:60]}; it must be two arrays, the "
+                "tangential and the normal factor."
+            )
+        along, across = found
         out = along if law.out_of_plane == "tangential" else np.ones_like(along)
         return {"growth": multiplied(type(law).__name__, np.stack([along, across, out]), state)}
 

@@ -29,6 +29,7 @@ from ..parts import (
     SearchLine,
     Term,
     TimeStep,
+    check_kind,
     declared,
 )  # fmt: skip
 from ..scene import Scene, stress_scale
@@ -121,6 +122,10 @@ class Problem:
         self.deadline = perf_counter() + scene.stepping.seconds
         self.operators: list[Operator] = [term.on(body) for term in scene.terms]
         self._processes: list[tuple[Process, Evolution]] = [(p, p.on(body)) for p in scene.processes]
+        for term, operator in zip(scene.terms, self.operators, strict=True):
+            check_kind(term, operator, Operator)
+        for process, evolution in self._processes:
+            check_kind(process, evolution, Evolution)
         for evolution in (e for _, e in self._processes if isinstance(e, LongEvolution)):
             evolution.deadline = self.deadline
         supported = any(operator.resists_rigid_motions for operator in self.operators)

@@ -101,6 +101,11 @@ class Assembler:
         return self._sparsity, values[:-1]
 
     def _keys(self, entries: Entries) -> Integers:
+        if (entries.rows < entries.columns).any():
+            raise ValueError(
+                "a Hessian has entries above the diagonal, which would count twice; give those of its lower "
+                "triangle, rows >= columns."
+            )
         row, column = self._number[entries.rows.ravel()], self._number[entries.columns.ravel()]
         key = np.minimum(row, column) * len(self.free) + np.maximum(row, column)
         key[(row < 0) | (column < 0)] = -1
