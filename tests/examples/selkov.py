@@ -1,5 +1,4 @@
 """Sel'kov's glycolysis: ∂u/∂t = d_u ∇²u - u + a v + u² v,  ∂v/∂t = d_v ∇²v + b - a v - u² v (1968)."""
-
 from dataclasses import dataclass
 
 from turingfold.extend import Kinetics

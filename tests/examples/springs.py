@@ -1,5 +1,4 @@
 """A bed of springs that holds every point of the pial surface at its place."""
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,6 @@ from turingfold.extend import Quadratic, SymmetricMatrix, Term
 @dataclass(frozen=True)
 class Springs(Term):
     """Energy ½ k ∫ |u|² ds along the pial surface, lumped to its nodes; stiffness k in Pa/m."""
-
     stiffness: float
 
     def on(self, body):
