@@ -14,7 +14,8 @@ PMG: a quarter of the thickness in a zone of 20 mm around the highest point. Thi
 The largest piece of s1_coronal_+50_lh has 16 sulci of 6.4 mm and a gyrification index of 1.77. Grown are 13
 of 7.6 mm and 1.51; with PMG 20, the more by small ones in the zone; with a thick cortex 6 of 14 mm. Their
 places are not those of the adult: the similarity, 0.83, is that of random foldings of the same wave lengths,
-and less than that of a circle, 0.85; neither growth nor start knows where the adult's sulci are.
+and less than that of a circle, 0.85; neither growth nor start knows where the adult's sulci are. The adult's
+cortex is 1.67 times as thick on gyri as in sulci; grown, 1.98 times (PMG 1.95, thick 1.78).
 """
 
 import os

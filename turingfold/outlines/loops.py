@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
 from ..arrays import Array, Integers
@@ -81,36 +82,26 @@ def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[
     if base_ends is None:
         return []
     pairs = finite_array("base_ends", np.reshape(base_ends, (-1, 2, 2)), (None, 2, 2))
-    everything = np.concatenate(loops, axis=1)
-    owner = np.repeat(np.arange(len(loops)), [loop.shape[1] for loop in loops])
+    everything = shapely.MultiLineString([shapely.LinearRing(loop.T) for loop in loops])
     bases = []
-    for ends in pairs:
-        for end in ends:
-            distance, near = min((_nearest(loop, end) for loop in loops), key=lambda found: found[0])
-            if distance > size:
+    for pair in pairs:
+        for end in pair:
+            way = shapely.shortest_line(everything, shapely.points(end))
+            if way.length > size:
                 raise ValueError(
-                    f"base_ends: {shown(end)} m is {distance:.3g} m from the outline, more than size="
-                    f"{size:g} m; its nearest point is {shown(near)} m. Give points on the outline, in "
-                    "its unit."
+                    f"base_ends: {shown(end)} m is {way.length:.3g} m from the outline, more than size="
+                    f"{size:g} m; its nearest point is {shown(np.array(way.coords[0]))} m. Give points on "
+                    "the outline, in its unit."
                 )
-        k = owner[int(np.argmin(np.hypot(*(everything - ends[0][:, None]))))]
-        first, last = (int(np.argmin(np.hypot(*(loops[k] - end[:, None])))) for end in ends)
+        k = int(np.argmin([np.hypot(*(loop - pair[0][:, None])).min() for loop in loops]))
+        first, last = (int(np.argmin(np.hypot(*(loops[k] - end[:, None])))) for end in pair)
         if first == last:
             raise ValueError(
-                f"base_ends {ends.tolist()} are nearest to the same point of the outline, "
+                f"base_ends {pair.tolist()} are nearest to the same point of the outline, "
                 f"{shown(loops[k][:, first])}; give two ends that are farther apart."
             )
-        bases.append((int(k), first, last))
+        bases.append((k, first, last))
     return bases
-
-
-def _nearest(loop: Array, point: Array) -> tuple[float, Array]:
-    """Return the distance of a point (2,) from a closed polygon (2, n), and the nearest point of it."""
-    step = np.roll(loop, -1, axis=1) - loop
-    share = np.clip(((point[:, None] - loop) * step).sum(0) / (step**2).sum(0), 0.0, 1.0)
-    feet = loop + share * step
-    distance = np.hypot(*(point[:, None] - feet))
-    return float(distance.min()), feet[:, int(np.argmin(distance))]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ..arrays import Array, Booleans
+from ..arrays import Array
 from ..checks import finite_array
 from ..geometry.units import note_large
+from .region import even_odd
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +57,14 @@ class Section:
         """
         if not self.white:
             raise ValueError("thickness: the section has no white surface; give it one.")
-        found = []
+        found, tissue = [], even_odd(list(self.pial))
+        shapely.prepare(tissue)
         for loop in self.pial:
             below = _nearest(loop, self.white)
             back = _nearest(below, self.pial)
             depth = 0.5 * (np.hypot(*(loop - below)) + np.hypot(*(below - back)))
             for share in (0.25, 0.5, 0.75):
-                depth[~_inside(loop + share * (below - loop), self.pial)] = np.nan
+                depth[~shapely.contains_xy(tissue, *(loop + share * (below - loop)))] = np.nan
             found.append(depth)
         return tuple(found)
 
@@ -74,13 +76,3 @@ def _nearest(points: Array, loops: Sequence[Array]) -> Array:
     given = shapely.points(points.T)
     near = segments[shapely.STRtree(segments).nearest(given)]
     return np.asarray(shapely.get_coordinates(shapely.shortest_line(given, near))[1::2].T, dtype=float)
-
-
-def _inside(points: Array, loops: Sequence[Array]) -> Booleans:
-    """Return whether an odd number of closed curves encloses each point (2, n)."""
-    odd = np.zeros(points.shape[1], dtype=bool)
-    for loop in loops:
-        polygon = shapely.Polygon(loop.T)
-        shapely.prepare(polygon)
-        odd ^= shapely.contains_xy(polygon, *points)
-    return odd
