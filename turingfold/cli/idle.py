@@ -26,7 +26,8 @@ def idle_words(case: Case, given: Mapping[str, Any], others: Mapping[str, Any], 
     if not found:
         return ""
     words = ", ".join(f"{name}={as_text(given[name])}" for name in found)
-    return f"{words} change nothing with the other parameters as they are (turingfold list {case.name})"
+    verb = "changes" if len(found) == 1 else "change"
+    return f"{words} {verb} nothing with the other parameters as they are (turingfold list {case.name})"
 
 
 def unusual(case: Case, given: Mapping[str, Any]) -> dict[str, Any]:
