@@ -97,6 +97,8 @@ def test_white_matter_grows_by_stress_in_place_of_the_prescribed_growth():
     _, found = parts(growth_law="stress", young_white=1895.0, poisson=0.4583)
     assert found["StressGrowth"].rate == pytest.approx(2 * (1 + 0.4583) / 1895.0)  # 1/μ, in the time 1
     assert found["TangentialGrowth"] == TangentialGrowth(cortex=2.3)
+    scene, found = parts(growth_law="stress", dynamics=True, duration=3.0)
+    assert (found["StressGrowth"].end, scene.until) == (3.0, 4.0)  # not in the second in which motion dies
 
 
 def test_figure_1_loads_are_pairs_without_resultant_in_place_of_the_tension():

@@ -1,5 +1,6 @@
 """Growth in response to stress: exact bars at a fixed stretch, order in the step, stability, rest."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -102,6 +103,17 @@ def test_any_step_comes_down_to_the_end_without_overshooting(law):
         else:
             assert np.abs(cauchy([1.2, 1.1, 1.0], end)[:2]).max() < 1e-2 * WHITE.mu
     np.testing.assert_allclose(*ends, rtol=1e-3)
+
+
+@pytest.mark.parametrize("law", [StressGrowth(rate=A), VolumeGrowth(rate=1.0)])
+def test_a_response_ends_within_a_step_and_nothing_grows_after_it(law):
+    until = held(law, (1.1, 1.05), 0.3, 30)
+    ended = held(replace(law, end=0.3), (1.1, 1.05), 0.6, 60)
+    assert ended == pytest.approx(until, rel=1e-12)
+    within = held(replace(law, end=0.295), (1.1, 1.05), 0.6, 60)
+    assert 0 < np.abs(within - until).max() < 0.05 * np.abs(until - 1).max()
+    with pytest.raises(ValueError, match="end=0"):
+        replace(law, end=0.0)
 
 
 @pytest.mark.parametrize("law", [StressGrowth(rate=A), VolumeGrowth(rate=5.0)])

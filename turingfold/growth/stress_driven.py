@@ -21,13 +21,19 @@ LARGEST = 0.2  # of the logarithm of a growth factor in one step; a longer step 
 
 @dataclass(frozen=True, kw_only=True)
 class _Responding(Process):
-    """A law of white matter whose growth goes on from the last equilibrium; writes "growth"."""
+    """A law of white matter whose growth goes on from the last equilibrium; writes "growth".
+
+    end: time of the scene after which it does not respond any more; None for never.
+    """
 
     rate: float
     out_of_plane: str = "fixed"
+    end: float | None = None
 
     def __post_init__(self) -> None:
         positive("rate", self.rate, remedy="leave the law out for none")
+        if self.end is not None:
+            positive("end", self.end, remedy="leave it out for a response that goes on")
         one_of("out_of_plane", self.out_of_plane, OUT_OF_PLANE)
 
     @property
@@ -68,7 +74,8 @@ class StressGrowth(_Responding):
     between the two does not grow. g_z = 1 ("fixed") or ġ_z/g_z = a σ_zz ("tangential").
     Each step is implicit in how growth relaxes the stress of a point whose deformation stays: of first order
     in the step, and stable at any.
-    rate: a in 1/(Pa · time); 1/(a μ) is the time in which growth relaxes shear stress.
+    rate: a in 1/(Pa · time); 1/(a μ) is the time in which growth relaxes shear stress.  end: time after which
+    nothing grows.
     Source: Bayly, Okamoto, Xu, Shi, Taber (2013) Phys. Biol. 10:016005.
     """
 
@@ -99,7 +106,7 @@ class VolumeGrowth(_Responding):
     Growth is isotropic in the plane, g_t = g_n = ϑ, with g_z = 1 ("fixed") or ϑ ("tangential"); ⟨x⟩ is x
     where positive, else 0. Each step is implicit in how growth lowers J* of a point whose deformation stays:
     of first order in the step, stable at any, and never below the set point.
-    rate: G_s per unit of time.  set_point: J⁰.
+    rate: G_s per unit of time.  set_point: J⁰.  end: time after which nothing grows.
     Source: Budday, Steinmann, Kuhl (2014) J. Mech. Phys. Solids 72:75.
     """
 
@@ -139,7 +146,11 @@ class RespondingOnBody(Evolution):
 
     def advance(self, before: State, now: State, dt: float) -> Fields:
         """Return the growth after the response to the last equilibrium."""
-        change = self.white * self.law.increments(self.body, before, dt)
+        end = self.law.end
+        grows = dt if end is None else min(dt, end - before.time)
+        if grows <= 0:
+            return self._fields(before["response"], now)
+        change = self.white * self.law.increments(self.body, before, grows)
         if (most := float(np.abs(change).max())) > LARGEST:
             raise StepTooLongError(
                 f"{type(self.law).__name__}: growth would change by a factor of {np.exp(most):.3g} in a step "

@@ -121,7 +121,7 @@ def growth(
     if law == "stress":
         solid = solid or tissue()
         modulus = (solid.white or solid.gray).mu
-        found.append(StressGrowth(rate=rate / (modulus * duration)))
+        found.append(StressGrowth(rate=rate / (modulus * duration), end=duration))
     return tuple(found)
 
 
