@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array, Booleans, Integers
+from .region import even_odd
 
 Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 Put = Callable[[Array], Array]  # points (2, n) near a smooth line -> points on it
@@ -141,10 +142,8 @@ class Frame:
     def domain(self) -> BaseGeometry:
         """What the boundary edges enclose, ready to be asked about points."""
         ends = np.moveaxis(self.points[:, self.edges[:, self.outer]], 0, -1)  # (2, m, 2)
-        rings = shapely.polygonize(shapely.linestrings(ends.swapaxes(0, 1)))
-        area = shapely.union_all([])
-        for ring in shapely.get_parts(rings):
-            area = shapely.symmetric_difference(area, shapely.Polygon(ring.exterior))
+        rings = shapely.get_parts(shapely.polygonize(shapely.linestrings(ends.swapaxes(0, 1))))
+        area = even_odd([shapely.get_coordinates(ring.exterior).T for ring in rings])
         shapely.prepare(area)
         return area
 

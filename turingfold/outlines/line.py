@@ -24,19 +24,9 @@ class Line:
         """Return the points (2, n) at arc lengths s (n,)."""
         return np.asarray(self.spline(s % self.length if self.closed else s)).T
 
-    def normal(self, s: Array) -> Array:
-        """Return the unit normals to the left (inward on a counter-clockwise outline), (2, n)."""
-        x, y = np.asarray(self.spline(s, 1)).T
-        return np.asarray(np.stack([-y, x]) / np.hypot(x, y))
-
-    def curvature(self, s: Array) -> Array:
-        """Return the signed curvature (n,), positive where the curve turns left (convex); 1/m."""
-        (x1, y1), (x2, y2) = np.asarray(self.spline(s, 1)).T, np.asarray(self.spline(s, 2)).T
-        return np.asarray((x1 * y2 - y1 * x2) / np.hypot(x1, y1) ** 3)
-
-    def spaced(self, step: float, fewest: int = 2) -> Array:
+    def spaced(self, step: float) -> Array:
         """Return evenly spaced arc lengths about `step` apart; those of a closed line leave out its end."""
-        count = max(fewest, round(self.length / step))
+        count = max(2, round(self.length / step))
         return (
             np.linspace(0.0, self.length, count, endpoint=False)
             if self.closed
