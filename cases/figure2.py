@@ -1,4 +1,4 @@
-"""Figure 2: pattern, tension and growth of the whole brain fold the semi-ellipse. About 30 s.
+"""Figure 2: pattern, tension and growth of the whole brain fold the semi-ellipse. About 20 s.
 
     turingfold run cases/figure2.py      stores results/figure2, draws figures/figure2.png
 

@@ -1,4 +1,4 @@
-"""Figure 3: pattern, tension and growth of the whole brain fold the semi-circle. About 30 s.
+"""Figure 3: pattern, tension and growth of the whole brain fold the semi-circle. About 20 s.
 
     turingfold run cases/figure3.py      stores results/figure3, draws figures/figure3.png
 

@@ -137,6 +137,7 @@ def test_the_table_says_per_cent(found):
         ("TangentialGrowth.corex", "cortex"),
         ("Turing.half_waves", "without jumps"),
         ("Stepping.largest", "no parameter of a part"),
+        ("cortex", "such as TangentialGrowth.cortex"),
         ("AxonalTension.surface", "without jumps"),
     ],
 )

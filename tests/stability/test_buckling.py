@@ -9,6 +9,7 @@ from checks import message_names
 from scipy.sparse import csc_matrix
 from skfem import MeshTri1
 
+from turingfold.cli.case import find_case
 from turingfold.errors import NotConvergedError
 from turingfold.geometry.body import Body
 from turingfold.geometry.mirror import half
@@ -301,3 +302,14 @@ def test_terms_that_resist_motion_are_refused():
     terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), Drag(coefficient=1.0))
     with pytest.raises(ValueError, match="Drag"):
         buckling(Scene(body=body, terms=terms, processes=(TangentialGrowth(cortex=1.9),)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0.1, 0.05, 0.02])
+def test_a_limit_point_is_not_stepped_over(step):
+    """Figure 3, small and halved: its march in steps of 0.0025 jumps at t = 0.6025, index 1.01 to 1.05."""
+    scene = find_case("figure3").scenes({"halved": True}, quick=True)["three hypotheses"]
+    found = buckling(replace(scene, stepping=Stepping(first=step, largest=step)))
+    assert found.limit
+    assert 0.6 < found.time <= 0.6025
+    assert found.growth == pytest.approx(1.7818, abs=2e-4)

@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..figures.sections import areas
 from ..figures.style import mark_unfinished, sulci
 from ..results.document import stored
@@ -16,7 +18,9 @@ from ..results.files import read_json
 from ..results.folder import check_folder
 from ..results.result import Result, read_result
 from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
+from ..results.surface import pial_closed
 from ..results.units import length_unit, with_error
+from ..turing.modes import sign_changes
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed
 from .figure import figure_path, save_figure
@@ -265,8 +269,8 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     name, s = next(iter(summaries.items()))
     end = results[name].unfinished or "reached the end"
     yield (
-        f"{case}, {name}: {end} at growth {s['growth']:.2f} in {s['seconds']:.0f} s ({s['steps']} steps, "
-        f"{s['newton_iterations']} Newton iterations, {s['dofs']} unknowns)"
+        f"{case}, {name}: {end} at largest growth {s['growth']:.2f} in {s['seconds']:.0f} s "
+        f"({s['steps']} steps, {s['newton_iterations']} Newton iterations, {s['dofs']} unknowns)"
     )
     unit, word = length_unit(results[name].scene.body)
     thickness = " (T: cortical thickness)" if word == "T" else ""
@@ -281,7 +285,9 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     if mesh := _errors(s, "errors"):
         rule = max(shares(s, "quadrature_errors").values(), default=0.0)
         inside = f" (its quadrature: up to {100 * rule:.1g} %)" if rule else ""
-        yield f"errors of the mesh, estimated: {mesh}{inside}; of the steps: {_errors(s, 'step_errors')}"
+        steps = _errors(s, "step_errors")
+        steps = "none, but where there are several equilibria they choose one" if steps == "none" else steps
+        yield f"errors of the mesh, estimated: {mesh}{inside}; of the steps: {steps}"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
@@ -291,10 +297,7 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
     if words := _stability(s):
         yield f"equilibria: {words}"
-    chance = ""
-    if s["registration"]:
-        chance = f"; {100 * s['registration_p']:.1f} % of the pattern's phases register as well or better"
-    yield f"pattern: {_gyri(s['registration'])}{chance}"
+    yield f"pattern: {_half_waves(results[name])}{_gyri(s['registration'])}{_chance(s)}"
     yield f"grown: {areas(results[name])}"
     yield f"results: {base / folder_name(name)}"
 
@@ -326,12 +329,31 @@ def _stability(s: Mapping[str, Any]) -> str:
     words = []
     if s["saddles"]:
         last = ", the last one too" if s["negative_pivots"] else ""
-        words.append(f"{s['saddles']} of {s['steps']} states no minimum{last}")
+        words.append(f"{s['saddles']} of {s['steps']} states no minimum{last}: disturbed, they would move on")
     if s["snaps"]:
         words.append(f"{s['snaps']} of {s['steps']} reached by a snap")
     if s["damped_steps"]:
         words.append(f"{s['damped_steps']} of {s['steps']} damped, where walls met")
     return "; ".join(words)
+
+
+def _half_waves(result: Result) -> str:
+    """Return of how many half waves the pattern is along the pial surface, or nothing without one."""
+    pattern = result.pattern() if len(result.scene.body.pial_paths) == 1 else None
+    if pattern is None or not np.ptp(pattern):
+        return ""
+    changes = sign_changes(pattern - pattern.mean())
+    closed = pial_closed(result.scene.body)
+    return f"{changes + (changes % 2 if closed else 0)} half waves, "
+
+
+def _chance(s: Mapping[str, Any]) -> str:
+    """Return what share of the pattern's phases register as far, on the side on which the gyri are."""
+    if not s["registration"]:
+        return ""
+    if s["registration"] < 0:
+        return f"; {100 * (1 - s['registration_p']):.1f} % of the pattern's phases register lower"
+    return f"; {100 * s['registration_p']:.1f} % of the pattern's phases register as well or better"
 
 
 def _gyri(registration: float | None) -> str:

@@ -264,7 +264,7 @@ class Result:
         body it is that of the half, as works and energies of the history, dofs and triangles are.
         negative_pivots: directions in which the last state's energy falls; 0 at a minimum; with inertia, drag
         or damping, those of the step's incremental potential.  saddles: states of the whole run that have
-        some.  snaps: steps whose equilibrium was found by the gradient flow.
+        some.  snaps: steps whose equilibrium only the gradient flow found.
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.

@@ -55,6 +55,12 @@ def number_of(scene: Scene, parameter: str) -> float:
     part = parameter.partition(".")[0]
     if part in ("Scene", "Stepping"):
         raise ValueError(f"{parameter} is no parameter of a part; give one such as TangentialGrowth.cortex.")
+    if "." not in parameter:
+        near = ", ".join(name for name in numbers_of(scene) if name.endswith(f".{parameter}"))
+        raise ValueError(
+            f"{parameter} is no number of a part; give one such as {near or 'TangentialGrowth.cortex'}. "
+            "(--set has the parameters of a case.)"
+        )
     value = value_of(scene, parameter)
     if isinstance(value, bool) or not isinstance(value, float):
         raise ValueError(

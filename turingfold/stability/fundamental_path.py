@@ -20,6 +20,7 @@ from ..solve.sparsity import Assembler, Sparsity
 from ..state import State
 
 STRAY = 1.0  # a correction larger than this share of the step itself has left the path
+JUMP = 0.1  # thicknesses of the cortex by which a correction may move a point: more is a snap to another path
 NOTHING = 1e-9  # root mean square of a displacement, as a share of the body's length, that is none
 ITERATIONS = 15  # of Newton's method on the path; it needs four or five
 
@@ -134,7 +135,9 @@ class FundamentalPath:
         if ahead is None:
             return
         floor = NOTHING * self.scene.body.length * np.sqrt(len(change))
-        if np.linalg.norm(change - ahead) > max(STRAY * np.linalg.norm(ahead), floor):
+        off = change - ahead
+        far = np.linalg.norm(off) > max(STRAY * np.linalg.norm(ahead), floor)
+        if far or np.abs(off).max() > JUMP * self.scene.body.thickness:  # one fold may snap, and the rest not
             raise NotConvergedError("Newton leaves the fundamental path")
 
     def between(self, nodes: Sequence[FundamentalState], time: float) -> FundamentalState:
