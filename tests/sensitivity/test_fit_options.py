@@ -102,3 +102,22 @@ def test_a_fit_goes_on_from_the_best_so_far(hidden, tmp_path):
 def test_what_are_no_landmarks_is_refused(hidden, marks, words):
     with pytest.raises(ValueError, match=words):
         fit(scene(), {1.0: hidden.pial()}, NAMES, landmarks=marks)
+
+
+@pytest.mark.parametrize(
+    ("names", "options", "words"),
+    [
+        ([*NAMES, NAMES[0]], {}, r"GrowthMap\.cortex\.0 twice"),
+        ([], {}, "one parameter or more"),
+        (NAMES[0], {}, "one parameter or more"),
+        (NAMES, {"bounds": (1.2, 1.5)}, r"cortex\.0 begins at 1\.1, outside its bounds 1\.2 to 1\.5"),
+        (NAMES, {"noise": float("nan")}, "noise=nan"),
+        (NAMES, {"noise": -1e-3}, "noise=-0.001"),
+        (NAMES, {"smoothness": -1.0}, "smoothness=-1"),
+        (NAMES, {"smoothness": float("nan")}, "smoothness=nan"),
+        (NAMES, {"tolerance": 0.0}, "tolerance=0"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(hidden, names, options, words):
+    with pytest.raises(ValueError, match=words):
+        fit(scene(), {1.0: hidden.pial()}, names, **options)

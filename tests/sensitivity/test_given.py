@@ -82,6 +82,13 @@ def test_derivatives_are_those_of_equilibria_solved_again(make, parameter, value
     assert found.errors[0] < 1e-5
 
 
+@pytest.mark.parametrize("value", [1e-20, 1e-14, 1e-9])
+def test_a_parameter_next_to_zero_has_the_derivative_of_one_at_zero(value):
+    names = ("PatternMap.values.0",)
+    at, near = (sensitivity(simulate(pulled_scene((v, 1.0, 0.1, 0.7))), to=names) for v in (0.0, value))
+    np.testing.assert_allclose(near.derivatives, at.derivatives, rtol=1e-6)
+
+
 def test_a_hidden_thickness_is_found_from_the_outline():
     hidden = simulate(smooth_scene(thickness=0.23))
     found = fit(smooth_scene(), {1.0: hidden.pial()}, ("Body.thickness",), bounds=(0.15, 0.3))

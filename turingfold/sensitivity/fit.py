@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..arrays import Array
-from ..checks import instance
+from ..checks import finite, instance, positive
 from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
 from ..morphometry.distance import sampled, signed_distance, through
@@ -30,7 +30,7 @@ from ..scene import Scene
 from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
-from .fit_setup import BEST, best_so_far, limits
+from .fit_setup import BEST, best_so_far, check_fitted, checked_start, limits
 from .landmarks import Landmarks, checked_landmarks
 from .parameters import change, changed_in, check_path, number_of
 from .smoothing import SPLINE, second_differences, smoothest
@@ -95,6 +95,9 @@ def fit(
     whose state depends on the way to it; NotConvergedError where the scene itself does not reach the ages.
     """
     instance("scene", scene, Scene, "Scene(body=semicircle(...), terms=(Elastic(...),))")
+    check_fitted(to)
+    if noise is not None:
+        positive("noise", noise, remedy="it is the standard deviation of the targets' points, in m")
     if smoothness == "auto":
         if not len(second_differences(to)):
             raise ValueError('smoothness="auto" needs three neighbours of one map among the parameters.')
@@ -108,17 +111,22 @@ def fit(
 
         found, how = smoothest(again, noise)
         return replace(found, message=f"{found.message} {how}")
+    if finite("smoothness", smoothness) < 0:
+        raise ValueError(f"smoothness={smoothness!r} must be 0 or more.")
+    positive("tolerance", tolerance)
     curves = checked_targets(scene, targets)
     marks = checked_landmarks(scene.body, curves, landmarks or {})
     values = np.array([number_of(scene, parameter) for parameter in to])
     if resume and out is not None:
         values = best_so_far(out, tuple(to), values)
+    low, high = limits(bounds, to)
+    values = checked_start(values, low, high, to)
     closed = pial_closed(scene.body)
     smooth = {age: through(points, closed=closed) for age, points in curves.items()}
     given = {age: points.shape[1] for age, points in curves.items()}
     problem = _Inverse(scene, tuple(to), smooth, given, marks, smoothness, out, progress)
     solved = least_squares(
-        problem.residuals, values, jac=problem.jacobian, bounds=limits(bounds, to), x_scale="jac",
+        problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
         xtol=tolerance, ftol=1e-15, gtol=None,
     )  # fmt: skip
     return problem.result(np.asarray(solved.x), str(solved.message), noise)

@@ -33,6 +33,25 @@ def limits(
     return low, high
 
 
+def checked_start(values: Array, low: Array, high: Array, to: Sequence[str]) -> Array:
+    """Return the values that a fit begins with, (p,); raises ValueError for one outside its limits."""
+    for name, value, least, most in zip(to, values.tolist(), low.tolist(), high.tolist(), strict=True):
+        if not least <= value <= most:
+            raise ValueError(
+                f"{name} begins at {value:.6g}, outside its bounds {least:.6g} to {most:.6g}; give the scene "
+                "(or the fit that is resumed) a value between them, or wider bounds."
+            )
+    return values
+
+
+def check_fitted(to: Sequence[str]) -> None:
+    """Raise ValueError where the fitted parameters are none, one word, or one of them twice."""
+    if isinstance(to, str) or not len(to):
+        raise ValueError(f'to={to!r}: give a list of one parameter or more, such as ["Elastic.gray.mu"].')
+    if twice := [name for name in dict.fromkeys(to) if list(to).count(name) > 1]:
+        raise ValueError(f"to names {', '.join(twice)} twice; give each parameter once.")
+
+
 def best_so_far(folder: Path, to: tuple[str, ...], values: Array) -> Array:
     """Return the values that an earlier fit in a folder came to, (p,), or those given where there is none.
 

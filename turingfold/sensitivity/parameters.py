@@ -22,6 +22,8 @@ from ..studies.sweep import value_of, with_value
 
 THICKNESS = "Body.thickness"
 STEP = 1e-3  # change of a parameter, relative to it; of one that is 0, in its own unit
+ROUNDED = 1e-6  # an error of ∂g/∂p beyond which a parameter may be too near 0 for a relative change
+TINY = 1e-9  # a parameter of which it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +42,21 @@ def change(scene: Scene, state: State, x: Array, parameter: str, step: TimeStep)
     Raises ValueError for what is no number of a part.
     """
     value = number_of(scene, parameter)
-    h = STEP * abs(value) if value else STEP
+    found = _change_by(scene, state, x, parameter, step, value, STEP * abs(value) if value else STEP)
+    if value and (abs(value) < TINY or found.error > ROUNDED):
+        try:
+            other = _change_by(scene, state, x, parameter, step, value, STEP)
+        except ValueError:  # its part refuses so large a change
+            return found
+        if other.gradient.any() and (other.error < found.error or not found.gradient.any()):
+            return other
+    return found
+
+
+def _change_by(
+    scene: Scene, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
+) -> Change:
+    """Return how forces and energy change, by differences over h and h/2."""
     wide, narrow = (_difference(scene, state, x, parameter, step, value, share * h) for share in (1.0, 0.5))
     found = (4 * narrow - wide) / 3
     size = float(np.linalg.norm(found[:-1]))

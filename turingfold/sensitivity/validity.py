@@ -20,6 +20,7 @@ from .parameters import changed_in, fields_of, number_of
 
 MISSED = 0.1  # share of a displacement that the linear answer may miss
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
+STILL = 1e-12  # thicknesses that are no motion
 TRIALS, LONGEST = 6, 2.0  # at most; and by how much the later ones may go farther each
 POWERS = 40  # of the inverse: the lowest eigenvalue is then known to a few per cent
 ALIKE = 1e-3  # relative change of it at which they end
@@ -46,7 +47,7 @@ def range_of(
     the range itself, where walls may have met. move: dx/dp, (2 n_nodes,).  Infinite where nothing moves.
     """
     value, largest = number_of(scene, parameter), float(np.abs(move).max())
-    if not largest > 0 or not value:
+    if abs(value) * largest <= STILL * scene.body.thickness:  # as much again moves nothing
         return float("inf")
     change = SMALL * scene.body.thickness / largest
     for trial in range(TRIALS):
