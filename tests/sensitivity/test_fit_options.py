@@ -5,9 +5,21 @@ import json
 import numpy as np
 import pytest
 
-from turingfold import Elastic, GrowthMap, NeoHookean, Scene, Stepping, fit, half, semicircle, simulate
+from turingfold import (
+    Elastic,
+    GrowthMap,
+    NeoHookean,
+    Scene,
+    Stepping,
+    fit,
+    half,
+    semicircle,
+    sensitivity,
+    simulate,
+)
 from turingfold.geometry.body import by_node
 from turingfold.results.surface import along_pial
+from turingfold.sensitivity.fit_setup import limits
 from turingfold.sensitivity.landmarks import landmarks_of
 
 SOLID = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
@@ -97,6 +109,8 @@ def test_a_fit_goes_on_from_the_best_so_far(hidden, tmp_path):
         ({1.0: [(0.1, (1.0, 0.0, 0.0))]}, r"landmarks\[1\]"),
         ({1.0: [0.1]}, "pairs of place and point"),
         ({1.0: [((5.0, 5.0), (1.0, 0.0))]}, "from the pial surface"),
+        ({1.0: [(0.3, (500.0, 1000.0))]}, "are both in m"),
+        ([(0.3, (0.5, 1.0))], "give them by age"),
     ],
 )
 def test_what_are_no_landmarks_is_refused(hidden, marks, words):
@@ -121,3 +135,29 @@ def test_what_are_no_landmarks_is_refused(hidden, marks, words):
 def test_what_cannot_be_fitted_is_refused(hidden, names, options, words):
     with pytest.raises(ValueError, match=words):
         fit(scene(), {1.0: hidden.pial()}, names, **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"bounds": (1, 2, 3)}, "give two numbers"),
+        ({"bounds": "1,2"}, "give two numbers"),
+        ({"smoothness": "auot"}, 'or "auto"'),
+        ({"resume": True}, "give that folder"),
+    ],
+)
+def test_options_that_are_none_are_refused(hidden, options, words):
+    with pytest.raises(ValueError, match=words):
+        fit(scene(), {1.0: hidden.pial()}, NAMES, **options)
+
+
+def test_the_limits_of_a_parameter_go_before_those_of_its_map():
+    bounds = {"GrowthMap.cortex.0": (1.0, 1.1), "GrowthMap.cortex": (0.9, 2.0)}
+    low, high = limits(bounds, NAMES)
+    assert low.tolist() == [1.0, 0.9, 0.9]
+    assert high.tolist() == [1.1, 2.0, 2.0]
+
+
+def test_the_start_has_no_sensitivities(hidden):
+    with pytest.raises(ValueError, match="step=0 is the start"):
+        sensitivity(hidden, to=NAMES, step=0)

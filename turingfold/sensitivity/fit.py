@@ -73,7 +73,7 @@ def fit(
     smoothness: float | Literal["auto"] = 0.0,
     noise: float | None = None,
     tolerance: float = 1e-8,
-    out: Path | None = None,
+    out: str | Path | None = None,
     resume: bool = False,
     progress: Callable[[float], object] | None = None,
 ) -> Fit:
@@ -111,20 +111,23 @@ def fit(
 
         found, how = smoothest(again, noise)
         return replace(found, message=f"{found.message} {how}")
-    if finite("smoothness", smoothness) < 0:
-        raise ValueError(f"smoothness={smoothness!r} must be 0 or more.")
+    if isinstance(smoothness, str) or finite("smoothness", smoothness) < 0:
+        raise ValueError(f'smoothness={smoothness!r} must be 0 or more, or "auto".')
     positive("tolerance", tolerance)
     curves = checked_targets(scene, targets)
     marks = checked_landmarks(scene.body, curves, landmarks or {})
     values = np.array([number_of(scene, parameter) for parameter in to])
-    if resume and out is not None:
-        values = best_so_far(out, tuple(to), values)
+    if resume:
+        if out is None:
+            raise ValueError("resume=True goes on from what `out` holds; give that folder.")
+        values = best_so_far(Path(out), tuple(to), values)
     low, high = limits(bounds, to)
     values = checked_start(values, low, high, to)
     closed = pial_closed(scene.body)
     smooth = {age: through(points, closed=closed) for age, points in curves.items()}
     given = {age: points.shape[1] for age, points in curves.items()}
-    problem = _Inverse(scene, tuple(to), smooth, given, marks, smoothness, out, progress)
+    folder = None if out is None else Path(out)
+    problem = _Inverse(scene, tuple(to), smooth, given, marks, smoothness, folder, progress)
     solved = least_squares(
         problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
         xtol=tolerance, ftol=1e-15, gtol=None,

@@ -19,15 +19,23 @@ def limits(
     """Return the least and largest value of each parameter, (p,); infinite where none are given.
 
     bounds: of all parameters, or by their names or those of maps, such as "GrowthMap.cortex".
-    Raises ValueError for a name that is none of the parameters, and limits in the wrong order.
+    Those of a single parameter go before those of its map.
+    Raises ValueError for a name that is none of the parameters, and for what are no limits.
     """
     low, high = np.full(len(to), -np.inf), np.full(len(to), np.inf)
-    named = {"": bounds} if isinstance(bounds, tuple | list) else dict(bounds or {})
-    for name, pair in named.items():
+    if bounds is None:
+        return low, high
+    named = bounds if isinstance(bounds, Mapping) else {"": bounds}
+    for name in sorted(named, key=len):
         own = [not name or one == name or one.startswith(f"{name}.") for one in to]
         if not any(own):
             raise ValueError(f"bounds names {name}, which is not fitted; fitted are {', '.join(to)}.")
-        low[own], high[own] = pair
+        try:
+            low[own], high[own] = map(float, named[name])
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"bounds={bounds!r}: give two numbers, least and largest value, or such pairs by name."
+            ) from None
     if not (low < high).all():
         raise ValueError(f"bounds={bounds!r}: each is the least and the largest value, in this order.")
     return low, high

@@ -13,6 +13,7 @@ from ..checks import finite_array
 from ..geometry.body import Body
 from ..geometry.surface_table import arcs_of, checked_places
 from ..results.surface import mirror_line
+from .targets import FAR
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,11 @@ def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> La
     except (TypeError, ValueError):
         raise ValueError(f"{what} must be pairs of place and point, such as (0.25, (0.01, 0.04)).") from None
     targets = finite_array(what, points, (len(points), 2)).T
+    far = float(np.abs(targets - body.nodes.mean(axis=1, keepdims=True)).max())
+    if far > FAR * body.length:
+        raise ValueError(
+            f"{what} is {far:.3g} m from the body's middle, the body {body.length:.3g} m long: are both in m?"
+        )
     curve, length = body.pial_curve, body.pial_curve.length
     whole = length * (2.0 if body.mirror else 1.0)
     arc = arcs_of(checked_places(places, len(points), what), body.pial_curves, whole, body.thickness)
@@ -79,6 +85,8 @@ def checked_landmarks(
     body: Body, targets: Mapping[float, Array], given: Mapping[float, Sequence[tuple[Any, Any]]]
 ) -> dict[float, Landmarks]:
     """Return the landmarks by age; raises ValueError for an age without an outline."""
+    if not isinstance(given, Mapping):
+        raise ValueError(f"landmarks is {type(given).__name__}; give them by age, {{1.0: [(0.25, (x, y))]}}.")
     for age in given:
         if float(age) not in targets:
             raise ValueError(f"landmarks has the age {age:g}, and targets no outline of it.")

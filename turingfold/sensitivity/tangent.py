@@ -43,6 +43,8 @@ class Equilibrium:
         """
         instance("result", result, Result, "simulate(scene)")
         problem, state = Problem(result.scene), result.states[number]
+        if not state.time:
+            raise ValueError(f"step={number} is the start, before anything has grown; choose a later state.")
         check_path(problem, result.states[0])
         x, step = by_node(state["displacement"]), TimeStep(state.time or result.scene.until, over=True)
         return cls(problem, state, x, step, _balanced(problem, state, step, x))
