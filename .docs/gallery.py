@@ -23,6 +23,7 @@ full size with default values: sulci, gyrification index against the convex hull
 pattern, or where there is none how many times as large the area became. This page is written by
 `python .docs/gallery.py results`.
 """
+MOST = 20  # scenes of a case that have a row each
 NONE = "No numbers: this case has not been run at full size for this page."
 
 
@@ -50,7 +51,20 @@ def measured(folder: Path) -> dict[str, list[str]]:
             return {}
         found[case["scene"]] = numbers(summary)
         missing = set(case["scenes"]) - found.keys()
-    return {} if missing else found
+    if missing:
+        return {}
+    return found if len(found) <= MOST else {f"{len(found)} scenes": ranges(list(found.values()))}
+
+
+def ranges(rows: list[list[str]]) -> list[str]:
+    """Return the least and the largest number of each column, words apart."""
+    found = []
+    for column in zip(*rows, strict=True):
+        split = [text.rpartition(" ")[::2] for text in column]
+        words, numbers = {word for word, _ in split}, sorted((number for _, number in split), key=float)
+        text = numbers[0] if numbers[0] == numbers[-1] else f"{numbers[0]} to {numbers[-1]}"
+        found.append(f"{words.pop()} {text}".strip() if len(words) == 1 else "")
+    return found
 
 
 def numbers(summary: dict[str, float | None]) -> list[str]:
