@@ -186,7 +186,7 @@ class _Inverse:
             if at is None:
                 raise NotConvergedError("an equilibrium of the fit is not admissible", time=age)
             tangent = Tangent(problem, at)
-            changes = (change(scene, state, self._x[age], name, step).gradient for name in self.parameters)
+            changes = (change(problem, state, self._x[age], name, step).gradient for name in self.parameters)
             self._moves[age] = np.stack([-tangent.solve(gradient) for gradient in changes])
             _, normals, rigid = self._distances(age, self._x[age])
             ways = np.stack([self._pial(move, moved=False) for move in self._moves[age]])

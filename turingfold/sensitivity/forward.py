@@ -103,7 +103,7 @@ def sensitivity(
         displacement=moves.reshape(len(to), -1, 2).swapaxes(1, 2),
         errors=np.array([found.error for found in changes]), negative_pivots=factors.negative,
         ranges=np.array([
-            range_of(result.scene, here.state, move, name, here.step, factors)
+            range_of(here.problem, here.state, move, name, here.step, factors)
             for name, move in zip(to, moves, strict=True)
         ]),
         stability=here.stability,

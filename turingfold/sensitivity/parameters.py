@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..parts import Load, Process, TimeStep
+from ..parts import Load, Operator, Process, TimeStep
 from ..scene import Scene, stress_scale
 from ..solve.problem import Problem
 from ..state import State
@@ -35,17 +35,17 @@ class Change:
     error: float
 
 
-def change(scene: Scene, state: State, x: Array, parameter: str, step: TimeStep) -> Change:
+def change(problem: Problem, state: State, x: Array, parameter: str, step: TimeStep) -> Change:
     """Return how forces and energy at x change with a parameter, "Part.name".
 
     state: the fields at x; those that the parameter changes are made anew.
     Raises ValueError for what is no number of a part.
     """
-    value = number_of(scene, parameter)
-    found = _change_by(scene, state, x, parameter, step, value, STEP * abs(value) if value else STEP)
+    value = number_of(problem.scene, parameter)
+    found = _change_by(problem, state, x, parameter, step, value, STEP * abs(value) if value else STEP)
     if value and (abs(value) < TINY or found.error > ROUNDED):
         try:
-            other = _change_by(scene, state, x, parameter, step, value, STEP)
+            other = _change_by(problem, state, x, parameter, step, value, STEP)
         except ValueError:  # its part refuses so large a change
             return found
         if other.gradient.any() and (other.error < found.error or not found.gradient.any()):
@@ -54,10 +54,10 @@ def change(scene: Scene, state: State, x: Array, parameter: str, step: TimeStep)
 
 
 def _change_by(
-    scene: Scene, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
+    problem: Problem, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
 ) -> Change:
     """Return how forces and energy change, by differences over h and h/2."""
-    wide, narrow = (_difference(scene, state, x, parameter, step, value, share * h) for share in (1.0, 0.5))
+    wide, narrow = (_difference(problem, state, x, parameter, step, value, share * h) for share in (1.0, 0.5))
     found = (4 * narrow - wide) / 3
     size = float(np.linalg.norm(found[:-1]))
     error = float(np.linalg.norm((narrow - wide)[:-1])) / 3 / size if size > 0 else 0.0
@@ -158,30 +158,41 @@ def _may_change(scene: Scene, parameter: str) -> bool:
 
 
 def _difference(
-    scene: Scene, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
+    problem: Problem, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
 ) -> Array:
     """Return the central difference of forces and energy, (2 n_nodes + 1,)."""
     up, down = (
-        _forces(scene, changed_in(scene, parameter, at), state, x, step) for at in (value + h, value - h)
+        _forces(problem, changed_in(problem.scene, parameter, at), state, x, step)
+        for at in (value + h, value - h)
     )
     return (up - down) / (2 * h)
 
 
-def _forces(scene: Scene, changed: Scene, state: State, x: Array, step: TimeStep) -> Array:
+def _forces(problem: Problem, changed: Scene, state: State, x: Array, step: TimeStep) -> Array:
     """Return the forces and the energy of the parts that a change reaches, (2 n_nodes + 1,)."""
+    scene = problem.scene
     fields = fields_of(scene, changed, state)
     now = state.updated(**fields)
     total = np.zeros(len(x) + 1)
-    for old, new in zip(scene.terms, changed.terms, strict=True):
-        kept = new is old and changed.body is scene.body
-        if kept and not {*old.reads, *old.optional} & set(fields):
+    operators = operators_of(problem, changed)
+    for old, operator, own in zip(scene.terms, operators, problem.operators, strict=True):
+        if operator is own and not {*old.reads, *old.optional} & set(fields):
             continue
-        potential = new.on(changed.body).during(now, step)
+        potential = operator.during(now, step)
         at = None if potential is None else potential.evaluate(x)
         if at is not None:
             total[:-1] += at.gradient()[0]
             total[-1] += at.energy
     return total
+
+
+def operators_of(problem: Problem, changed: Scene) -> list[Operator]:
+    """Return the operators of a changed scene's terms; those of terms that did not change are kept."""
+    same = changed.body is problem.scene.body
+    return [
+        own if same and new is old else new.on(changed.body)
+        for old, new, own in zip(problem.scene.terms, changed.terms, problem.operators, strict=True)
+    ]
 
 
 def fields_of(scene: Scene, changed: Scene, state: State) -> dict[str, Array]:

@@ -61,7 +61,7 @@ class Equilibrium:
 
     def change(self, parameter: str) -> Change:
         """Return how forces and energy change with a parameter while the body stays."""
-        return change(self.problem.scene, self.state, self.x, parameter, self.step)
+        return change(self.problem, self.state, self.x, parameter, self.step)
 
 
 def _balanced(problem: Problem, state: State, last: TimeStep, x: Array) -> Configuration:

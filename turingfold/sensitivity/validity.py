@@ -11,12 +11,11 @@ import numpy as np
 from ..arrays import Array
 from ..geometry.body import by_node
 from ..parts import TimeStep
-from ..scene import Scene
 from ..solve.inertia import Factors
 from ..solve.problem import Problem, configuration
 from ..solve.sparsity import Assembler
 from ..state import State
-from .parameters import changed_in, fields_of, number_of
+from .parameters import changed_in, fields_of, number_of, operators_of
 
 MISSED = 0.1  # share of a displacement that the linear answer may miss
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
@@ -39,19 +38,19 @@ def lowest_eigenvalue(factors: Factors, n: int) -> float:
 
 
 def range_of(
-    scene: Scene, state: State, move: Array, parameter: str, step: TimeStep, factors: Factors
+    problem: Problem, state: State, move: Array, parameter: str, step: TimeStep, factors: Factors
 ) -> float:
     """Return by what share of itself a parameter may change until the linear answer misses MISSED.
 
     Of the displacement, in its nodes' norm; first by the second order, from a small trial, then by trials at
     the range itself, where walls may have met. move: dx/dp, (2 n_nodes,).  Infinite where nothing moves.
     """
-    value, largest = number_of(scene, parameter), float(np.abs(move).max())
-    if abs(value) * largest <= STILL * scene.body.thickness:  # as much again moves nothing
+    value, largest = number_of(problem.scene, parameter), float(np.abs(move).max())
+    if abs(value) * largest <= STILL * problem.scene.body.thickness:  # as much again moves nothing
         return float("inf")
-    change = SMALL * scene.body.thickness / largest
+    change = SMALL * problem.scene.body.thickness / largest
     for trial in range(TRIALS):
-        share = _missed(scene, state, change, move, parameter, step, factors)
+        share = _missed(problem, state, change, move, parameter, step, factors)
         if share is None:
             change *= 0.5
         elif trial and 0.8 * MISSED < share < 1.25 * MISSED:
@@ -63,16 +62,17 @@ def range_of(
 
 
 def _missed(
-    scene: Scene, state: State, change: float, move: Array, parameter: str, step: TimeStep, factors: Factors
-) -> float | None:
+    problem: Problem, state: State, change: float, move: Array, parameter: str, step: TimeStep,
+    factors: Factors,
+) -> float | None:  # fmt: skip
     """Return the share of a displacement that the linear answer misses; None for what is not admissible."""
     try:
-        changed = changed_in(scene, parameter, number_of(scene, parameter) + change)
+        changed = changed_in(problem.scene, parameter, number_of(problem.scene, parameter) + change)
     except ValueError:
         return None
-    problem, x = Problem(changed), by_node(state["displacement"])
-    now = state.updated(**fields_of(scene, changed, state))
-    at = configuration(problem.potentials(now, step), x + change * move)
+    x, now = by_node(state["displacement"]), state.updated(**fields_of(problem.scene, changed, state))
+    acting = (operator.during(now, step) for operator in operators_of(problem, changed))
+    at = configuration(tuple(one for one in acting if one is not None), x + change * move)
     if at is None:
         return None
     free = Assembler(problem.n_dofs, problem.held).free
