@@ -18,6 +18,8 @@ from turingfold import (
 )
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.zones import Window
+from turingfold.results.codec import decode
+from turingfold.results.document import stored
 
 AT = 2 * np.pi * np.arange(120) / 120
 CIRCLE = np.stack([np.cos(AT), np.sin(AT)])
@@ -83,3 +85,16 @@ def test_what_goes_along_one_surface_refuses_several_by_name(pair):
     result = simulate(scene(pair, 1.01, first=1.0))
     with pytest.raises(ValueError, match="pial surface has 2 parts"):
         result.pial()
+
+
+def test_results_without_the_later_numbers_of_changes_can_be_read():
+    """scene.json of before 2026-11-29 has no moved_at_walls, thickened and filled."""
+    at = 2 * np.pi * np.arange(100) / 100
+    body = outline(np.stack([np.cos(at), np.sin(at)]), thickness=0.2, size=0.1)
+    document, arrays = stored(Scene(body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),)))
+    told = document["scene"]["body"]["changes"]
+    for name in ("moved_at_walls", "thickened", "filled"):
+        del told[name]
+    changes = decode(document["scene"], arrays).body.changes
+    assert changes.filled is None
+    assert str(changes).startswith("pial surface moved by at most")

@@ -19,17 +19,18 @@ class Changes:
     element thick where it is given thinner, as on the medial wall.  dropped: (x, y, area) of pieces too small
     for the elements; m and m².  filled: number of closed-off sulci that are too small.  smallest_angle: of
     the triangles, degrees.  notes: what was repaired, in words.
+    Results of earlier versions do not tell moved_at_walls, thickened and filled: None.
     """
 
     moved: float
-    moved_at_walls: float
     lost: float
     added: float
     cortex: float | None
-    thickened: float | None
     dropped: tuple[tuple[float, float, float], ...]
-    filled: int
     smallest_angle: float
+    moved_at_walls: float | None = None
+    thickened: float | None = None
+    filled: int | None = None
     notes: tuple[str, ...] = ()
 
     def placed(self, centre: Array, unit: float, smallest_angle: float) -> Changes:
@@ -39,7 +40,7 @@ class Changes:
         return replace(
             self,
             moved=self.moved * unit,
-            moved_at_walls=self.moved_at_walls * unit,
+            moved_at_walls=None if self.moved_at_walls is None else self.moved_at_walls * unit,
             dropped=tuple(dropped),
             smallest_angle=smallest_angle,
         )
