@@ -329,7 +329,7 @@ def _stability(s: Mapping[str, Any]) -> str:
     words = []
     if s["saddles"]:
         last = ", the last one too" if s["negative_pivots"] else ""
-        words.append(f"{s['saddles']} of {s['steps']} states no minimum{last}: disturbed, they would move on")
+        words.append(f"{s['saddles']} of {s['steps']} states no minimum{last}")
     if s["snaps"]:
         words.append(f"{s['snaps']} of {s['steps']} reached by a snap")
     if s["damped_steps"]:
