@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import signal
 import socket
 import threading
 import time
@@ -89,6 +90,8 @@ class Visitor:
 @contextmanager
 def served(case, root, *, token=None, most=4):
     """Serve a case in a thread; yields a visitor."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in a shell's background: runs would not hear Stop
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     first = find_case(str(case))
     runs = Runs(root, most=most)
     site = application(dict(choices_of(first, str(case))), runs, first=first.name, token=token)

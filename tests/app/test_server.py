@@ -261,7 +261,7 @@ def test_a_damaged_result_is_told_and_the_others_are_shown(visitor, here, done):
 
 
 def test_stop_and_go_on_is_the_run_without_a_stop(visitor, here):
-    values = {"thickness": 9e-3, "cortex": 1.3, "steps": 300, "pattern": False}
+    values = {"thickness": 9e-3, "cortex": 1.3, "steps": 60, "pattern": False}
     run = visitor.begin(values)
     visitor.wait(run, "running", until=lambda told: len(told.get("frames", ())) > 2)
     visitor.table(f"runs/{run}/stop", {})
