@@ -14,7 +14,7 @@ from small import elastic_scene
 
 from turingfold import Result, load, semicircle, simulate
 from turingfold.cli.main import main
-from turingfold.cli.run import told
+from turingfold.cli.summary import told
 
 CASE = '''"""A patch of cortex that grows. Less than a second.
 

@@ -28,7 +28,7 @@ from turingfold import (
     semicircle,
     simulate,
 )
-from turingfold.cli.run import told
+from turingfold.cli.summary import told
 from turingfold.extend import Evolution, Process
 
 KEYS = {

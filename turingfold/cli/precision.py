@@ -16,8 +16,9 @@ from ..results.files import read_json
 from .case import Case, find_case, folder_name
 from .plan import Planned, base_folder, given_values, planned
 from .request import Request, Running
-from .run import answered, check_figure, named, outcomes
+from .run import answered, check_figure, outcomes
 from .status import STOPPED, Answer, complain, say
+from .summary import named
 
 ELEMENTS = "elements"
 FIRST, FEWEST = 0.5, 2.0  # elements of the first run: share of the case's own, and at least

@@ -101,16 +101,13 @@ def fit(
     if smoothness == "auto":
         if not len(second_differences(to)):
             raise ValueError('smoothness="auto" needs three neighbours of one map among the parameters.')
-
-        def again(weight: float, last: Fit | None) -> Fit:
-            begun = scene if last is None else last.scene
-            return fit(
+        return _smoothest(
+            lambda begun, weight, again: fit(
                 begun, targets, to, bounds=bounds, landmarks=landmarks, smoothness=weight, noise=noise,
-                tolerance=tolerance, out=out, resume=resume and last is None, progress=progress,
-            )  # fmt: skip
-
-        found, how = smoothest(again, noise)
-        return replace(found, message=f"{found.message} {how}")
+                tolerance=tolerance, out=out, resume=resume and not again, progress=progress,
+            ),
+            scene, noise,
+        )  # fmt: skip
     if isinstance(smoothness, str) or finite("smoothness", smoothness) < 0:
         raise ValueError(f'smoothness={smoothness!r} must be 0 or more, or "auto".')
     positive("tolerance", tolerance)
@@ -133,6 +130,16 @@ def fit(
         xtol=tolerance, ftol=1e-15, gtol=None,
     )  # fmt: skip
     return problem.result(np.asarray(solved.x), str(solved.message), noise)
+
+
+def _smoothest(fitted: Callable[[Scene, float, bool], Fit], scene: Scene, noise: float | None) -> Fit:
+    """Return the fit of the smoothest map; fitted: by the scene it begins with, the weight, whether again."""
+
+    def with_weight(weight: float, last: Fit | None) -> Fit:
+        return fitted(scene if last is None else last.scene, weight, last is not None)
+
+    found, how = smoothest(with_weight, noise)
+    return replace(found, message=f"{found.message} {how}")
 
 
 @dataclass(eq=False)
