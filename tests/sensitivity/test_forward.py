@@ -123,6 +123,11 @@ def test_a_function_of_the_users_own_and_errors_from_uncertain_moduli(result, fo
     assert spread[1] == pytest.approx(np.hypot(10 * own.derivatives[1, 0], 20 * own.derivatives[1, 1]))
 
 
+def test_two_measures_of_one_name_are_refused(result):
+    with pytest.raises(ValueError, match="two measures of one name"):
+        sensitivity(result, to=("Elastic.gray.mu",), of=(lambda p: p.max(), lambda p: p.min()))
+
+
 def test_the_table_says_per_cent(found):
     assert found.relative.shape == (4, len(PARAMETERS))
     energy = found.measures.index("energy")

@@ -15,6 +15,7 @@ from turingfold import (
     Scene,
     SelfContact,
     Stepping,
+    Swelling,
     TangentialGrowth,
     fit,
     half,
@@ -111,6 +112,14 @@ def test_a_thickness_that_the_mesh_has_is_refused():
     smooth = replace(scene, body=semicircle(radius=1.0, thickness=0.2, elements=2, layers="sigmoid"))
     with pytest.raises(ValueError, match=r"Body\.thickness: PatternMap acts on the cortex that the mesh has"):
         sensitivity(simulate(replace(smooth, until=0.2)), to=("Body.thickness",))
+
+
+def test_a_thickness_is_refused_where_a_solvent_comes_from_the_interface():
+    scene = smooth_scene()
+    wet = Swelling(coefficient=0.1, diffusivity=0.1, source="interface")
+    result = simulate(replace(scene, processes=(wet, *scene.processes), until=0.2))
+    with pytest.raises(ValueError, match=r"Body\.thickness: Swelling"):
+        sensitivity(result, to=("Body.thickness",))
 
 
 def test_a_pattern_has_its_values_at_their_places_and_runs_straight_between_them():

@@ -22,9 +22,13 @@ STEP = 1e-4  # thicknesses of the cortex by which points move in differences
 def measures_of(result: Result, asked: Sequence[str | Measure]) -> dict[str, Measure | None]:
     """Return measures by name, functions of the pial points; None for the energy.
 
-    Raises ValueError for an unknown name.
+    Raises ValueError for an unknown name, and for two of one name.
     """
-    return dict(_measure(result, item) for item in asked)
+    found = dict(named := [_measure(result, item) for item in asked])
+    if len(found) < len(named):
+        names = ", ".join(name for name, _ in named)
+        raise ValueError(f"of= has two measures of one name ({names}); give functions names of their own.")
+    return found
 
 
 def pial_at(result: Result, x: Array) -> Array:

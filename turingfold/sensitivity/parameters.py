@@ -104,6 +104,8 @@ def _thickness(scene: Scene) -> float:
     body = scene.body
     bound = [type(part).__name__ for part in scene.processes if "pattern" in part.writes]
     bound += [type(part).__name__ for part in scene.terms if isinstance(part, Load)]
+    # a solvent may come from the interface
+    bound += [type(part).__name__ for part in scene.processes if getattr(part, "source", "") == "interface"]
     if body.layers != "sigmoid" or body.depth_by != "thickness":
         raise ValueError(
             f"{THICKNESS}: the gray-white interface is one of the mesh, which stays; make the body with "
