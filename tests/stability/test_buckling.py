@@ -20,7 +20,8 @@ from turingfold.scene import Scene
 from turingfold.solve.inertia import Indefinite, negative_pivots
 from turingfold.solve.march import begin, march
 from turingfold.solve.sparsity import Sparsity
-from turingfold.stability.buckling import buckling, half_waves
+from turingfold.stability.buckling import buckling
+from turingfold.stability.waves import extent_of, half_waves
 from turingfold.stability.fundamental_path import FundamentalPath
 from turingfold.stepping import Stepping
 from turingfold.terms.dynamics import Drag
@@ -111,6 +112,29 @@ def test_half_waves_of_half_a_body_are_those_of_the_whole():
     roller, clamped = half(disc(0.1, 2)), half(disc(0.1, 2, "clamped"))
     assert half_waves(roller, wave(roller, lambda a: np.cos(8 * a))) == 8
     assert half_waves(clamped, wave(clamped, lambda a: np.sin(7 * a))) == 7
+
+
+@pytest.mark.parametrize("sign", [1, -1, 0])
+def test_a_mode_at_the_ends_counts_alike_whether_they_move_alike_or_one_alone_or_half_is_computed(sign):
+    """Reference: sin²(5a) sin(20a) on a < π/5, two waves: L/π √(∫u'²/∫u²) = √(400 + 100/3)."""
+    whole = disc(0.1, 4, "clamped")
+
+    def ends(a):
+        bump = np.sin(20 * a) * np.sin(5 * a) ** 2 * (a < np.pi / 5)
+        other = np.pi - a
+        return bump + sign * np.sin(20 * other) * np.sin(5 * other) ** 2 * (other < np.pi / 5)
+
+    found = half_waves(whole, wave(whole, ends))
+    assert found == pytest.approx(np.sqrt(400 + 100 / 3), abs=0.6)
+    if sign == 1:
+        assert half_waves(half(whole), wave(half(whole), ends)) == found
+
+
+def test_the_extent_of_a_mode_is_the_share_of_waves_that_are_there():
+    whole = disc(0.1, 4)
+    assert extent_of(whole, wave(whole, lambda a: np.cos(12 * a))) == pytest.approx(1.0, abs=0.01)
+    some = wave(whole, lambda a: np.sin(12 * a) * (a < np.pi / 4))
+    assert extent_of(whole, some) == pytest.approx(3 / 12, abs=0.01)
 
 
 # thresholds

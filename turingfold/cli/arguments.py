@@ -79,7 +79,7 @@ def of_keeping() -> argparse.ArgumentParser:
     return found
 
 
-def of_answers(*, steps: bool = True) -> argparse.ArgumentParser:
+def of_answers(*, steps: bool = True, pictured: bool = True) -> argparse.ArgumentParser:
     """Return the arguments that say what is printed, and where the figure goes."""
     found = _group()
     how = found.add_mutually_exclusive_group()
@@ -87,5 +87,6 @@ def of_answers(*, steps: bool = True) -> argparse.ArgumentParser:
     if steps:
         how.add_argument("-v", "--verbose", action="store_true", help="print a line for each step")
     found.add_argument("--json", action="store_true", help="print one JSON object, other lines on stderr")
-    found.add_argument("--figure", type=figure, metavar="FILE", help="draw it there: .png, .pdf, .svg")
+    if pictured:
+        found.add_argument("--figure", type=figure, metavar="FILE", help="draw it there: .png, .pdf, .svg")
     return found

@@ -42,7 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if _has(options, "json"):
         import json
 
-        say(json.dumps({"exit_status": answer.status, **answer.facts}, allow_nan=False))
+        from ..results.files import as_plain
+
+        facts = as_plain({"exit_status": answer.status, **answer.facts})
+        say(json.dumps(facts, allow_nan=False))
     return answer.status
 
 

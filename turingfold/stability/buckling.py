@@ -10,7 +10,9 @@ singular tangent.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 from scipy.optimize import brentq
@@ -18,18 +20,21 @@ from scipy.optimize import brentq
 from ..arrays import Array
 from ..checks import finite, instance, positive
 from ..errors import NotConvergedError, SolveError
-from ..geometry.body import Body, by_node
+from ..geometry.body import by_node
 from ..growth.measure import largest_growth
 from ..scene import Scene
 from ..solve.inertia import negative_pivots as negative_pivots
 from ..solve.march import Progress
 from ..state import State
 from .fundamental_path import FundamentalPath, FundamentalState
+from .waves import LOCAL, extent_of, half_waves
 
-VISIBLE = 0.02  # lobes of the mode below this share of the highest one do not count as half waves
 FINEST = 1e-4  # smallest step towards a limit point, as a share of the scene's time
 CLOSE = 0.1  # width of the bracket around the crossing, as a share of its time
 WORN = 0.1  # share of the stiffness below which a path that cannot be followed has come to a limit point
+
+
+Watching = Callable[[dict[str, float]], object]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +42,8 @@ class Buckling:
     """The first loss of stability of a scene's smooth solution.
 
     growth: the largest tangential growth factor there (1 where nothing grows).  time: in the scene's units.
-    mode: half waves along the pial surface, n of cos(nθ) on a half disc (of the whole body, for half of one).
+    mode: half waves along the pial surface, see `waves.half_waves`.  extent: share of the surface that bears
+    the mode, see `waves.extent_of`; 1 for equal waves.
     shape: the eigenvector, (2, n_nodes), its largest nodal displacement 1.
     state: the state on the fundamental path.  remaining_stiffness: share of it at the start, as good as 0.
     limit: whether the path turns back there, rather than going on unstable beyond a bifurcation.
@@ -46,10 +52,24 @@ class Buckling:
     growth: float
     time: float
     mode: int
+    extent: float
     shape: Array
     state: State
     remaining_stiffness: float
     limit: bool
+
+    def __repr__(self) -> str:
+        """Return it in a line; the arrays would fill pages."""
+        kind = "limit point" if self.limit else "bifurcation"
+        where = f", localised on {self.extent:.0%} of the pial surface" if self.localised else ""
+        return (
+            f"Buckling({kind} at growth {self.growth:.4f}, t = {self.time:.4g}, {self.mode} half waves{where})"
+        )
+
+    @property
+    def localised(self) -> bool:
+        """Whether less than half of the pial surface bears the mode."""
+        return self.extent < LOCAL
 
     def switched(self, amplitude: float, dt: float) -> Progress:
         """Return the progress from which `march` goes on along the buckled branch.
@@ -63,9 +83,11 @@ class Buckling:
         return Progress(self.state.updated(displacement=moved), positive("dt", dt))
 
 
-def buckling(scene: Scene) -> Buckling:
+def buckling(scene: Scene, *, progress: Watching | None = None) -> Buckling:
     """Return the first loss of stability along the scene's smooth solution.
 
+    progress: is called with numbers of each state of the path, as of a history: time, step, growth, seconds,
+    and negative_pivots, 0 where it is stable.
     It is followed in steps of `scene.stepping`. At a bifurcation the critical growth is interpolated; a limit
     point is found to 1e-4 of the scene's time. `scene.stepping.solver` plays no part: factors always come
     from SuperLU, whose pivots count the negative eigenvalues.
@@ -79,7 +101,7 @@ def buckling(scene: Scene) -> Buckling:
                 f"terms holds {term!r}, which resists motion and hides the loss of stability; leave it out."
             )
     path = FundamentalPath(scene)
-    nodes, limit = _bracket(path)
+    nodes, limit = _bracket(path, progress)
     base = nodes[-1] if limit else _crossing(path, nodes)
     stiffness, vector = path.lowest(base)
     if limit and stiffness > WORN:
@@ -96,6 +118,7 @@ def buckling(scene: Scene) -> Buckling:
         growth=largest_growth(base.state),
         time=base.state.time,
         mode=half_waves(scene.body, shape),
+        extent=extent_of(scene.body, shape),
         shape=shape,
         state=base.state,
         remaining_stiffness=stiffness,
@@ -103,36 +126,21 @@ def buckling(scene: Scene) -> Buckling:
     )
 
 
-def half_waves(body: Body, shape: Array) -> int:
-    """Return the half waves of a displacement (2, n_nodes) on the pial surface, n of cos(nθ) on a half disc.
-
-    Each change of sign of its normal component, between lobes of at least 2 % of the highest one, ends a half
-    wave; an end of the surface that is held ends one too. Half a body counts twice.
-    """
-    tangent = body.pial_curve.nearest(body.nodes[:, body.pial])[1]
-    normal = tangent[0] * shape[1, body.pial] - tangent[1] * shape[0, body.pial]
-    lobes = np.sign(normal[np.abs(normal) > VISIBLE * np.abs(normal).max()])
-    changes = int(np.sum(lobes[1:] != lobes[:-1]))
-    if body.pial_curve.closed:
-        return changes + int(lobes[0] != lobes[-1])
-    fixed = set(body.fixed.tolist())
-    held = sum({2 * node, 2 * node + 1} <= fixed for node in (int(body.pial[0]), int(body.pial[-1])))
-    return 2 * changes + held if body.mirror else changes + held // 2
-
-
-def _bracket(path: FundamentalPath) -> tuple[list[FundamentalState], bool]:
+def _bracket(path: FundamentalPath, progress: Watching | None) -> tuple[list[FundamentalState], bool]:
     """Return up to four stable states and the first unstable one; or stable ones and True."""
     stepping, until = path.scene.stepping, path.scene.until
     nodes = [path.start]
     state, dt, longest, ahead = path.start.state, stepping.first * until, stepping.largest * until, None
     while state.time < until * (1 - 1e-12):
-        dt = min(dt, until - state.time)
+        dt, began = min(dt, until - state.time), perf_counter()
         now = _attempt(path, state, dt, ahead)
         if now is None:
             dt = longest = dt / 2
             if dt >= FINEST * until:
                 continue
             return nodes, True
+        if progress is not None:
+            progress(_numbers(state, now, perf_counter() - began))
         if now.negative:
             return _closer(path, nodes, now), False
         ahead = (now.x - by_node(state["displacement"])) / (now.state.time - state.time)
@@ -141,6 +149,14 @@ def _bracket(path: FundamentalPath) -> tuple[list[FundamentalState], bool]:
         f"No loss of stability until t = {until:g}, growth {largest_growth(state):.4g}; let it grow more.",
         time=until,
     )
+
+
+def _numbers(before: State, now: FundamentalState, seconds: float) -> dict[str, float]:
+    time = now.state.time
+    return {
+        "time": time, "step": time - before.time, "growth": largest_growth(now.state), "seconds": seconds,
+        "negative_pivots": now.negative,
+    }  # fmt: skip
 
 
 def _closer(
