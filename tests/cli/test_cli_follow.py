@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from turingfold import Elastic, NeoHookean, Scene
 from turingfold.cli.follow import write_path
 from turingfold.cli.main import main
 from turingfold.figures.bifurcation import bifurcation_diagram, fold_amplitude, pial_measures
@@ -123,9 +124,13 @@ def test_fold_amplitude_leaves_out_what_moves_as_a_whole():
 
 
 def test_a_path_without_a_point_is_an_empty_table(tmp_path):
-    body = semicircle(radius=2.0, thickness=0.4, size=0.4)
-    write_path(tmp_path / "none.csv", body, EquilibriumPath(()))
+    solid = Elastic(gray=NeoHookean.from_young(1389.0, 0.4))
+    scene = Scene(body=semicircle(radius=0.02, thickness=0.004, size=0.004), terms=(solid,))
+    write_path(tmp_path / "none.csv", scene, EquilibriumPath(()))
     assert rows(tmp_path / "none.csv") == []
+    head = (tmp_path / "none.csv").read_text()
+    assert "energy [J/m],negative_pivots" in head
+    assert "sulcal_depth [m]" in head
 
 
 def test_unstable_pieces_are_dashed_and_turns_marked():

@@ -28,9 +28,12 @@ def _running(options: argparse.Namespace) -> Running:
     """Return how scenes are run: by the options that the command has, and as usual by the others."""
     names = ("resume", "overwrite", "jobs", "errors", "max_seconds", "frames", "vtu")
     given = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    return Running(**given, telling=_telling(options))
+
+
+def _telling(options: argparse.Namespace) -> Telling:
     quiet, verbose = (getattr(options, name, False) for name in ("quiet", "verbose"))
-    telling = Telling.NOTHING if quiet else Telling.STEPS if verbose else Telling.OVERALL
-    return Running(**given, telling=telling)
+    return Telling.NOTHING if quiet else Telling.STEPS if verbose else Telling.OVERALL
 
 
 def _run(options: argparse.Namespace) -> Answer:
@@ -67,25 +70,24 @@ def _plot(options: argparse.Namespace) -> int:
     return plot(options.study, options.x, options.y, options.colour, options.figure)
 
 
-def _accuracy(options: argparse.Namespace) -> int:
+def _accuracy(options: argparse.Namespace) -> Answer:
     from .accuracy import accuracy
 
     own = ("--meshes", str(options.meshes), "--steps", str(options.steps))
-    asked = _request(options, "accuracy", *own)
+    asked = _pictured(options, "accuracy", *own)
     return accuracy(asked, _running(options), meshes=options.meshes, steps=options.steps)
 
 
-def _sensitivity(options: argparse.Namespace) -> int:
+def _sensitivity(options: argparse.Namespace) -> Answer:
     from .sensitivity import Asked, sensitivities
 
     own = [word for name in options.to for word in ("--to", name)]
     own += [word for name in options.of for word in ("--of", name)]
-    own += ["--figure", str(options.figure)] if options.figure else []
-    asked = Asked(tuple(options.to), tuple(options.of), options.figure)
-    return sensitivities(_request(options, "sensitivity", *own), _running(options), asked)
+    asked = Asked(tuple(options.to), tuple(options.of))
+    return sensitivities(_pictured(options, "sensitivity", *own), _running(options), asked)
 
 
-def _fit(options: argparse.Namespace) -> int:
+def _fit(options: argparse.Namespace) -> Answer:
     from .fit import Asked, fitted
 
     own = [word for age, file in options.target for word in ("--target", f"{age}={file}")]
@@ -94,14 +96,13 @@ def _fit(options: argparse.Namespace) -> int:
     smoothness = options.smoothness or None
     for name, value in (
         ("unit", options.unit), ("bounds", bounds), ("smoothness", smoothness), ("noise", options.noise),
-        ("figure", options.figure),
     ):  # fmt: skip
         own += [] if value is None else [f"--{name}", str(value)]
     asked = Asked(
         tuple(options.target), tuple(options.to), options.unit, options.bounds, options.smoothness,
-        options.noise, options.figure,
+        options.noise,
     )  # fmt: skip
-    return fitted(_request(options, "fit", *own), _running(options), asked)
+    return fitted(_pictured(options, "fit", *own), _running(options), asked)
 
 
 def _app(options: argparse.Namespace) -> int:
@@ -151,27 +152,27 @@ def _stability(options: argparse.Namespace) -> int:
     return 0
 
 
-def _buckling(options: argparse.Namespace) -> int:
+def _buckling(options: argparse.Namespace) -> Answer:
     from .buckling import report
     from .follow import follow
 
-    request = _request(options, "buckling")
-    say(report(request, options.figure) if options.follow is None else follow(request, options.follow))
-    return 0
+    request, telling = _pictured(options, "buckling"), _telling(options)
+    return report(request, telling) if options.follow is None else follow(request, telling, options.follow)
 
 
-def _verify(options: argparse.Namespace) -> int:
+def _verify(options: argparse.Namespace) -> Answer:
     from ..verification.registry import checks
     from .verify import verify
 
     return verify(checks(options.problems, full=options.full), options.out)
 
 
-def _atlas(options: argparse.Namespace) -> int:
+def _atlas(options: argparse.Namespace) -> Answer:
     from .atlas import atlas
 
     counts = {"mechanics": options.mechanics, "pattern": options.patterns, "march": options.marches}
-    return atlas(options.out, counts, seed=options.seed, seconds=options.seconds, jobs=options.jobs)
+    how = {"seed": options.seed, "seconds": options.seconds, "jobs": options.jobs}
+    return atlas(options.out, counts, **how, telling=_telling(options))
 
 
 def _compare(options: argparse.Namespace) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -9,23 +11,29 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..arrays import Array
-from ..results.result import Result, load
-from ..results.simulate import StoppedError, simulate
+from ..figures.style import mark_unfinished
+from ..results.document import stored
+from ..results.folder import check_folder
+from ..results.result import Result, load, read_result
 from ..results.surface import pial_closed
+from ..results.units import is_si, parameter_unit
 from ..scene import Scene
 from ..sensitivity.fit import Fit, fit
 from ..sensitivity.parameters import number_of, numbers_of
-from .case import find_case, folder_name
+from .case import Case, find_case, folder_name
 from .figure import save_figure
-from .plan import base_folder, planned
-from .request import Request, Running
-from .status import STOPPED, say
+from .outcome import Outcome
+from .plan import Planned, base_folder, has_result, planned
+from .request import Request, Running, Telling
+from .run import facts_of, finished, outcomes
+from .status import Answer, progress, say
 from .table import write_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 TABLE = "fit.csv"
+COLUMNS = ("parameter", "unit", "value", "standard_error")
 MM = 1e3
 SHOWN = 5  # maps and other parameters in the figure
 
@@ -40,13 +48,12 @@ class Asked:
     bounds: tuple[float, float] | None = None
     smoothness: float | Literal["auto"] = 0.0
     noise: float | None = None
-    figure: Path | None = None
 
 
-def fitted(request: Request, running: Running, asked: Asked) -> int:
-    """Fit one scene of a case, run it with what was found, store and draw both; return the exit status.
+def fitted(request: Request, running: Running, asked: Asked) -> Answer:
+    """Fit one scene of a case, run it with what was found, store and draw both.
 
-    Raises ValueError for several scenes, unknown parameters, and files that hold no outline.
+    Raises ValueError for several scenes, unknown parameters, files that hold no outline, and an earlier fit.
     """
     case = find_case(request.case)
     plan = planned(case, request)
@@ -57,26 +64,72 @@ def fitted(request: Request, running: Running, asked: Asked) -> int:
     to = expanded(one.scene, asked.to)
     targets = {_time(time): outline(Path(file), asked.unit, case.known) for time, file in asked.targets}
     base = base_folder(case, request)
+    if has_result(base, one.name) and not (running.resume or running.overwrite):
+        raise ValueError(
+            f"{base} already holds a fit; go on with it (--resume), replace it (--overwrite), or choose "
+            "another folder (--out DIR)."
+        )
     found = fit(
         one.scene, targets, to, bounds=asked.bounds, smoothness=asked.smoothness, noise=asked.noise, out=base,
-        resume=running.resume, progress=lambda misfit: say(f"misfit {misfit:.3g} m"),
+        resume=running.resume, progress=_misfits(running.telling),
     )  # fmt: skip
-    write_table(base / TABLE, ("parameter", "value", "standard_error"), _rows(found))
+    write_table(base / TABLE, COLUMNS, _rows(found, si=is_si(one.scene)))
     say(_told(found))
     say(f"table: {base / TABLE}")
     steps = replace(found.scene.stepping, stops=tuple(sorted({*found.scene.stepping.stops, *targets})))
-    scene, status = replace(found.scene, stepping=steps), 0
+    values = dict(zip(to, found.values.tolist(), strict=True))
+    end = _ran(
+        case, Planned(one.name, replace(found.scene, stepping=steps), {**one.provenance, "fitted": values}),
+        request, running,
+    )  # fmt: skip
+    status, folder = finished([end], case, request), base / folder_name(one.name)
+    say(f"fitted scene: {folder}")
+    told = {name: {"value": value, "standard_error": error} for name, _, value, error in _rows(found)}
+    facts = {
+        "case": case.name, "folder": str(base), "runs": facts_of([end], base), "table": str(base / TABLE),
+        "parameters": told,
+        "misfits": {f"{time:g}": size for time, size in found.misfits.items()}, "distinct": found.distinct,
+        "message": found.message,
+    }  # fmt: skip
+    if not has_result(base, one.name):
+        return Answer(status, {**facts, "figures": []})
+    picture = request.figure or base / f"{case.name}-fit.png"
+    _draw(picture, found, read_result(folder, known=case.known), targets)
+    say(f"figure: {picture}")
+    return Answer(status, {**facts, "figures": [str(picture)]})
+
+
+def _misfits(telling: Telling) -> Callable[[float], None] | None:
+    """Return what tells of each misfit, on standard error as of all progress."""
+    if telling is Telling.NOTHING:
+        return None
+    count, best = 0, math.inf
+
+    def told(misfit: float) -> None:
+        nonlocal count, best
+        count, before, best = count + 1, best, min(best, misfit)
+        if misfit < before or telling is Telling.STEPS:
+            progress(f"set {count} of the parameters: misfit {misfit:.3g} m")
+
+    return told
+
+
+def _ran(case: Case, one: Planned, request: Request, running: Running) -> Outcome:
+    """Run the fitted scene; an earlier result of a fit that was not quite as good makes way for it."""
+    folder = base_folder(case, request) / folder_name(one.name)
+    document, _ = stored(running.limited(one.scene), one.provenance)
     try:
-        result = simulate(
-            scene, base / folder_name(one.name), resume=running.resume, overwrite=running.overwrite,
-            case={**one.provenance, "fitted": dict(zip(to, found.values.tolist(), strict=True))},
-            errors=running.errors,
-        )  # fmt: skip
-    except StoppedError as error:
-        say(f"the fitted scene stopped: {error}")
-        result, status = error.result, STOPPED
-    say(f"fitted scene: {base / folder_name(one.name)}")
-    picture = asked.figure or base / f"{case.name}-fit.png"
+        check_folder(folder, document, resume=running.resume, overwrite=running.overwrite)
+    except ValueError:
+        if not running.resume:
+            raise
+        running = replace(running, resume=False, overwrite=True)
+    (end,) = outcomes(case, [one], request, running)
+    return end
+
+
+def _draw(picture: Path, found: Fit, result: Result, targets: dict[float, Array]) -> None:
+    """Draw outlines with their targets, and the values of each map."""
     with save_figure(picture) as figure:
         groups = list(_groups(found.parameters).items())[:SHOWN]
         widths = [2.5, *(1.0 + 0.1 * len(among) for _, among in groups)]
@@ -89,8 +142,7 @@ def fitted(request: Request, running: Running, asked: Asked) -> int:
             f"{found.distinct} of {len(found.values)} combinations of the parameters told; bars: two standard"
             " errors; gray: not told", fontsize=9,
         )  # fmt: skip
-    say(f"figure: {picture}")
-    return status
+        mark_unfinished(figure, {"the fitted scene": result})
 
 
 def expanded(scene: Scene, to: tuple[str, ...]) -> tuple[str, ...]:
@@ -125,13 +177,14 @@ def _time(text: str) -> float:
         raise ValueError(f"--target {text}=...: {text!r} is no time; write 1=outline.csv.") from error
 
 
-def _rows(found: Fit) -> list[tuple[str, float, float]]:
-    return list(zip(found.parameters, found.values.tolist(), found.deviations.tolist(), strict=True))
+def _rows(found: Fit, *, si: bool = False) -> list[tuple[str, str, float, float]]:
+    units = [parameter_unit(name) if si else "" for name in found.parameters]
+    return list(zip(found.parameters, units, found.values.tolist(), found.deviations.tolist(), strict=True))
 
 
 def _told(found: Fit) -> str:
     width = max(len(name) for name in found.parameters)
-    lines = [f"{name:<{width}} {value:>12.6g} ± {error:.2g}" for name, value, error in _rows(found)]
+    lines = [f"{name:<{width}} {value:>12.6g} ± {error:.2g}" for name, _, value, error in _rows(found)]
     lines += [f"misfit at {time:g}: {size:.3g} m" for time, size in found.misfits.items()]
     told, all_ = found.distinct, len(found.parameters)
     lines.append(f"the outlines tell {told} of {all_} combinations of the parameters apart; {found.message}")

@@ -3,36 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import NotConvergedError
 from ..figures.bifurcation import MEASURES, bifurcation_diagram, pial_measures
 from ..results.files import write_whole
 from ..results.history import lines
+from ..results.units import is_si, with_unit
 from .case import find_case, folder_name
 from .figure import save_figure
 from .plan import planned
-from .request import Request
-from .status import say
+from .progress import Watch, watching
+from .request import Request, Telling
+from .status import STOPPED, Answer, complain, say
 
 if TYPE_CHECKING:
-    from ..geometry.body import Body
     from ..scene import Scene
-    from ..stability.arc_length import EquilibriumPath
+    from ..stability.arc_length import EquilibriumPath, PathPoint
 
 NUMBERS = ("time", "growth", "energy", "negative_pivots", "arc", "rate", "residual")
 
 
-def follow(request: Request, folder: Path) -> str:
-    """Return the limit points of each scene of a case as a table; write its path as CSV and draw them.
+def follow(request: Request, telling: Telling, folder: Path) -> Answer:
+    """Print the limit points of each scene of a case as a table; write its path as CSV and draw them.
 
-    <folder>/<scene>.csv: a row per equilibrium; lengths in m.  <folder>/<case>.png: the amplitude of folds
-    against growth, unstable states dashed.
+    <folder>/<scene>.csv: a row per equilibrium.  <folder>/<case>.png: the amplitude of folds against growth,
+    unstable states dashed.
     Terms that resist motion are left out: equilibria have none. Where paths stop, what was found is written,
-    drawn and printed all the same, and NotConvergedError names their scenes at the end.
+    drawn and printed all the same, the scenes are named below, and the exit status is 3.
     """
     from ..stability.arc_length import PathStoppedError, equilibria
     from ..stability.path_dependence import at_rest
@@ -41,31 +42,46 @@ def follow(request: Request, folder: Path) -> str:
     scenes = {one.name: one.scene for one in planned(case, request)}
     paths: dict[str, EquilibriumPath] = {}
     stopped: dict[str, PathStoppedError] = {}
-    for name, scene in scenes.items():
-        try:
-            paths[name] = equilibria(at_rest(scene))
-        except PathStoppedError as error:
-            paths[name] = error.path
-            stopped[name] = error
-        write_path(folder / f"{folder_name(name)}.csv", scene.body, paths[name])
+    with watching({name: scene.until for name, scene in scenes.items()}, telling) as watch:
+        for name, scene in scenes.items():
+            try:
+                paths[name] = equilibria(at_rest(scene), progress=partial(_row, watch, name))
+            except PathStoppedError as error:
+                paths[name] = error.path
+                stopped[name] = error
+            watch.ended(name)
+            write_path(folder / f"{folder_name(name)}.csv", scene, paths[name])
     picture = folder / f"{case.name}.png"
     _draw(picture, scenes, paths)
-    told = "\n".join([*_table(paths, stopped), f"paths: {folder}", f"figure: {picture}"])
-    if stopped:
-        say(told)
-        first = next(iter(stopped.values()))
-        why = "\n".join(f"{name}: {error}" for name, error in stopped.items())
-        raise NotConvergedError(why, time=first.time, residual=first.residual)
-    return told
+    say("\n".join([*_table(paths, stopped), f"paths: {folder}", f"figure: {picture}"]))
+    for name, why in stopped.items():
+        complain(f"{name}: {why}")
+    facts = {
+        name: {
+            "points": len(path.points), "limit_points": path.limit_points.tolist(),
+            "reached": path.points[-1].time if path.points else None, "message": str(stopped.get(name, "")),
+            "table": str(folder / f"{folder_name(name)}.csv"),
+        }
+        for name, path in paths.items()
+    }  # fmt: skip
+    return Answer(
+        STOPPED if stopped else 0, {"case": case.name, "scenes": facts, "figures": [str(picture)]}
+    )
 
 
-def write_path(file: Path, body: Body, path: EquilibriumPath) -> None:
+def _row(watch: Watch, name: str, point: PathPoint) -> None:
+    watch.row(name, {"time": point.time, "step": 0.0, "growth": point.growth, "residual": point.residual}, 0)
+
+
+def write_path(file: Path, scene: Scene, path: EquilibriumPath) -> None:
     """Write a path as CSV, a row per point."""
+    body, si = scene.body, is_si(scene)
+    units = dict.fromkeys(MEASURES, "m") | {"energy": "J/m"} if si else {}
     moves = [point.state["displacement"] for point in path.points]
     columns = {name: path.of(name) for name in NUMBERS} | pial_measures(body, moves)
     columns["negative_pivots"] = path.of("negative_pivots").astype(int)
     rows = [{name: values[k].item() for name, values in columns.items()} for k in range(len(path.points))]
-    head = ",".join((*NUMBERS, *MEASURES))
+    head = ",".join(with_unit(name, units.get(name, "")) for name in (*NUMBERS, *MEASURES))
     write_whole(file, f"{head}\n{lines(rows, (*NUMBERS, *MEASURES))}".encode())
 
 

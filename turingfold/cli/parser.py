@@ -43,7 +43,7 @@ def _add_runs(commands: Commands, common: argparse.ArgumentParser) -> None:
 
     _add_sweep(commands, [*scenes, arguments.of_jobs(), *kept, common])
     accuracy = commands.add_parser(
-        "accuracy", parents=[*every, common], help="error against run time",
+        "accuracy", parents=[*every, arguments.of_answers(), common], help="error against run time",
         description="Run a case also on finer meshes and with shorter steps; say by how much energy, "
         "gyrification and the pial surface differ from the finest, and what that costs. Table and figure are "
         "in DIR/<case>-accuracy.",
@@ -53,7 +53,7 @@ def _add_runs(commands: Commands, common: argparse.ArgumentParser) -> None:
     accuracy.set_defaults(command="accuracy")
 
     sensitivity = commands.add_parser(
-        "sensitivity", parents=[*every, common], help="which parameters matter",
+        "sensitivity", parents=[*every, arguments.of_answers(), common], help="which parameters matter",
         description="Run a case; say by how many per cent measures of the end of each scene change with one "
         "per cent of each parameter, from the equilibrium's tangent. Table and figure are in "
         "DIR/<case>-sensitivity.",
@@ -66,9 +66,8 @@ def _add_runs(commands: Commands, common: argparse.ArgumentParser) -> None:
         "--of", action="append", default=[], metavar="MEASURE", choices=MEASURES,
         help=f"{', '.join(MEASURES)}; may be repeated (all)",
     )  # fmt: skip
-    sensitivity.add_argument("--figure", type=figure, metavar="FILE", help="draw it there")
     sensitivity.set_defaults(command="sensitivity")
-    _add_fit(commands, [*scenes, arguments.of_errors(), common])
+    _add_fit(commands, [*scenes, arguments.of_errors(), arguments.of_answers(), common])
 
 
 def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
@@ -94,7 +93,6 @@ def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
         help="weight of the second differences of a map, or auto: as much as the noise allows (0)",
     )  # fmt: skip
     fit.add_argument("--noise", type=float, metavar="M", help="standard deviation of the outlines, in m")
-    fit.add_argument("--figure", type=figure, metavar="FILE", help="draw it there")
     fit.set_defaults(command="fit")
 
 
@@ -224,16 +222,18 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     stability.add_argument("--figure", type=figure, metavar="FILE", help="draw the dispersion relation")
     stability.set_defaults(command="stability")
 
+    told = arguments.of_answers(pictured=False)
     buckling = commands.add_parser(
-        "buckling", parents=[arguments.of_a_case(), common], help="critical growth and mode of a case"
+        "buckling", parents=[arguments.of_a_case(), told, common], help="critical growth and mode of a case"
     )
     what = buckling.add_mutually_exclusive_group()
     what.add_argument("--figure", type=figure, metavar="FILE", help="draw the modes")
     what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command="buckling")
 
+    printed = arguments.of_answers(steps=False, pictured=False)
     verify = commands.add_parser(
-        "verify", parents=[common], help="problems with known answers",
+        "verify", parents=[printed, common], help="problems with known answers",
         description="Solve problems whose answers are known; say by how much each number is off. The exit "
         "status is 3 if one is beyond its tolerance.",
     )  # fmt: skip
@@ -243,7 +243,8 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     verify.set_defaults(command="verify")
 
     atlas = commands.add_parser(
-        "atlas", parents=[common], help="where the program works: random scenes, judged independently",
+        "atlas", parents=[told, common],
+        help="where the program works: random scenes, judged independently",
         description="Run random scenes within a time limit each, judge what is said to be valid by code that "
         "is not the solver's, and draw where they are valid and where they stop. A later call goes on with "
         "the folder's tables. The exit status is 3 for a result that says it is valid and is not, for an "

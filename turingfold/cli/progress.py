@@ -11,6 +11,9 @@ from ..results.result import Row
 from .request import Telling
 
 LINES = 10  # of a command whose progress is written to a file
+STEP = {  # what is told of a step, where it has that
+    "newton_iterations": "{:.0f} iterations", "residual": "residual {:.1e}", "seconds": "{:.2f} s",
+}  # fmt: skip
 BETWEEN = 5.0  # s at least between two of them
 
 
@@ -77,10 +80,9 @@ class _Steps(Watch):
     """Tells of every step."""
 
     def row(self, name: str, row: Row, iterations: int) -> None:
-        _line(
-            f"{name}: t = {row['time']:.6g}, growth {row['growth']:.4f}, {row['newton_iterations']:.0f} "
-            f"iterations, residual {row['residual']:.1e}, {row['seconds']:.2f} s"
-        )
+        words = [f"t = {row['time']:.6g}", f"growth {row['growth']:.4f}"]
+        words += [text.format(row[own]) for own, text in STEP.items() if own in row]
+        _line(f"{name}: {', '.join(words)}")
 
 
 class _Overall(Watch):
@@ -92,7 +94,7 @@ class _Overall(Watch):
 
     def row(self, name: str, row: Row, iterations: int) -> None:
         self.shares.reached(name, row)
-        count = f", {iterations} iterations" if self.single else ""
+        count = f", {iterations} iterations" if self.single and iterations else ""
         self.latest = f"{name} at growth {row['growth']:.3f}{count}"
         self.show()
 

@@ -67,7 +67,7 @@ def answered(
     figure, table = _pictured(case, every, base, results, request, running)
     return Answer(status, {
         "case": case.name, "folder": str(base),
-        "scenes": {end.name: _facts(end, base / folder_name(end.name)) for end in ends},
+        "scenes": facts_of(ends, base),
         "figures": [str(figure)] if figure else [], "table": str(table) if table else None,
     })  # fmt: skip
 
@@ -111,8 +111,12 @@ def _pictured(
     return figure, table
 
 
+def facts_of(ends: Sequence[Outcome], base: Path) -> dict[str, Any]:
+    """Return by scene how it ended, and the numbers of its last state, as its folder has them."""
+    return {end.name: _facts(end, base / folder_name(end.name)) for end in ends}
+
+
 def _facts(end: Outcome, folder: Path) -> dict[str, Any]:
-    """Return how a scene ended and the numbers of its last state, as its folder has them."""
     summary = read_json(folder / "summary.json") if (folder / "summary.json").is_file() else None
     return {"status": end.status, "message": end.message, "folder": str(folder), "summary": summary}
 

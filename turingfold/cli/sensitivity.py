@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..figures.bars import tornado
 from ..results.result import load
+from ..results.units import is_si, parameter_unit
 from ..scene import Scene
 from ..sensitivity.forward import Sensitivity, sensitivity
 from ..sensitivity.parameters import number_of, numbers_of
@@ -18,8 +18,8 @@ from .figure import save_figure
 from .parser import MEASURES
 from .plan import base_folder, planned
 from .request import Request, Running
-from .run import finished, outcomes
-from .status import say
+from .run import facts_of, finished, outcomes
+from .status import Answer, say
 from .table import write_table
 
 if TYPE_CHECKING:
@@ -27,23 +27,23 @@ if TYPE_CHECKING:
 
 TABLE = "sensitivity.csv"
 COLUMNS = (
-    "scene", "measure", "number", "parameter", "value", "derivative", "per_cent_per_per_cent", "force_error",
-    "good_for",
+    "scene", "measure", "measure_unit", "number", "parameter", "parameter_unit", "value", "derivative",
+    "per_cent_per_per_cent", "force_error", "good_for",
 )  # fmt: skip
+UNITS = {"perimeter": "m", "sulcal_depth": "m", "energy": "J/m"}  # of measures in SI
 ROUGH = 1e-2  # relative error of a derivative of forces that is told
 
 
 @dataclass(frozen=True)
 class Asked:
-    """Parameters and measures, () for all; where to draw, None for beside the table."""
+    """Parameters and measures, () for all."""
 
     to: tuple[str, ...] = ()
     of: tuple[str, ...] = ()
-    figure: Path | None = None
 
 
-def sensitivities(request: Request, running: Running, asked: Asked) -> int:
-    """Run scenes, print and store the sensitivities of their ends, draw them; return the exit status.
+def sensitivities(request: Request, running: Running, asked: Asked) -> Answer:
+    """Run scenes, print and store the sensitivities of their ends, and draw them.
 
     Raises ValueError, before anything is run, for scenes that no sensitivity is known of, and for unknown
     parameters.
@@ -54,12 +54,13 @@ def sensitivities(request: Request, running: Running, asked: Asked) -> int:
     parameters = {name: _parameters(name, scene, asked) for name, scene in scenes.items()}
     base = base_folder(case, request)
     usual = base / f"{case.name}-sensitivity.png"
-    picture = asked.figure or usual
-    status = finished(list(outcomes(case, plan, request, running)), case, request)
+    ends = list(outcomes(case, plan, request, running))
+    status = finished(ends, case, request)
+    facts = {"case": case.name, "folder": str(base), "runs": facts_of(ends, base)}
     if status:  # table and figure of an earlier run would be of other results
         for stale in (base / TABLE, usual):
             stale.unlink(missing_ok=True)
-        return status
+        return Answer(status, {**facts, "scenes": {}, "table": None, "figures": []})
     found = {}
     for name, to in parameters.items():
         result = load(base / folder_name(name), known=case.known)
@@ -68,12 +69,15 @@ def sensitivities(request: Request, running: Running, asked: Asked) -> int:
         except ValueError as error:
             raise ValueError(f"scene {name!r}: {error}") from error
         say("\n".join(_told(name, found[name])))
-    write_table(base / TABLE, COLUMNS, (row for name, one in found.items() for row in _rows(name, one)))
+    rows = (row for name, one in found.items() for row in _rows(name, one, si=is_si(scenes[name])))
+    write_table(base / TABLE, COLUMNS, rows)
     say(f"table: {base / TABLE}")
+    picture = request.figure or usual
     with save_figure(picture) as figure:
         draw(figure, found)
     say(f"figure: {picture}")
-    return status
+    own = {name: _facts(one) for name, one in found.items()}
+    return Answer(status, {**facts, "scenes": own, "table": str(base / TABLE), "figures": [str(picture)]})
 
 
 def draw(figure: Figure, found: Mapping[str, Sensitivity]) -> None:
@@ -116,10 +120,27 @@ def _told(name: str, one: Sensitivity) -> Iterator[str]:
         yield f"this state is unstable: its tangent has {one.negative_pivots} negative pivots"
 
 
-def _rows(name: str, one: Sensitivity) -> Iterator[tuple[Any, ...]]:
+def _facts(one: Sensitivity) -> dict[str, Any]:
+    """Return numbers by measure, and by parameter its value and by how many per cent each measure changes."""
+    numbers = dict(zip(one.measures, one.numbers.tolist(), strict=True))
+    parameters = {
+        name: {
+            "value": value, "derivatives": dict(zip(one.measures, slopes, strict=True)),
+            "per_cent_per_per_cent": dict(zip(one.measures, shares, strict=True)), "good_for": reach,
+        }
+        for name, value, slopes, shares, reach in zip(
+            one.parameters, one.values.tolist(), one.derivatives.T.tolist(), one.relative.T.tolist(),
+            one.ranges.tolist(), strict=True,
+        )
+    }  # fmt: skip
+    return {"measures": numbers, "parameters": parameters, "negative_pivots": one.negative_pivots}
+
+
+def _rows(name: str, one: Sensitivity, *, si: bool) -> Iterator[tuple[Any, ...]]:
     for i, measure in enumerate(one.measures):
         for k, parameter in enumerate(one.parameters):
+            units = (UNITS.get(measure, ""), parameter_unit(parameter)) if si else ("", "")
             yield (
-                name, measure, one.numbers[i], parameter, one.values[k], one.derivatives[i, k],
-                one.relative[i, k], one.errors[k], one.ranges[k],
+                name, measure, units[0], one.numbers[i], parameter, units[1], one.values[k],
+                one.derivatives[i, k], one.relative[i, k], one.errors[k], one.ranges[k],
             )  # fmt: skip

@@ -14,7 +14,7 @@ from typing import Any
 from ..models.declared import as_text
 from ..results.files import CorruptFileError, json_content, read_json, unsigned, write_whole
 from ..results.lock import writer
-from ..results.units import with_unit
+from ..results.units import parameter_unit, with_unit
 from ..studies.columns import NUMBERS, Column
 from .case import Case, folder_name
 from .outcome import Outcome
@@ -35,9 +35,8 @@ def described(case: Case, plan: Sequence[Point], command: str, *, si: bool) -> d
     columns = {}
     for name in first.varied:
         meaning = case.parameters[name].meaning if name in case.parameters else None
-        columns[name] = {
-            "label": (meaning.label if meaning else "") or name, "unit": meaning.unit if meaning else "",
-        }  # fmt: skip
+        unit = meaning.unit if meaning else parameter_unit(name) if si else ""
+        columns[name] = {"label": (meaning.label if meaning else "") or name, "unit": unit}
     return {
         "case": case.name, "case_sha256": first.sha256, "quick": first.quick, "keep": first.keep,
         "command": command, "si": si, "columns": columns,

@@ -13,6 +13,9 @@ LENGTHS = ("displacement", "min_gap")
 ENERGIES = ("energy", "kinetic_energy", "drag_work", "damping_work")
 UNSEEN = 1e-4  # smaller errors do not show in four decimals
 STRESSES = ("von_mises", "pressure", "contact_pressure", "cauchy_stress")
+PARAMETERS = {  # of parts, by the end of their names
+    "mu": "Pa", "kappa": "Pa", "Body.thickness": "m", "Inertia.density": "kg/m³", "ActiveStress.stress": "Pa",
+}  # fmt: skip
 TISSUE = 10.0  # Pa; no tissue is softer, so smaller moduli are not in Pa, but in units of their own
 
 
@@ -57,6 +60,11 @@ def stored_unit(scene: Scene, name: str) -> str:
         return ""
     kinds = {"m": LENGTHS, "Pa": STRESSES, "J/m": ENERGIES}
     return next((unit for unit, names in kinds.items() if name in names), "")
+
+
+def parameter_unit(name: str) -> str:
+    """Return the unit of a parameter of a part in SI, of those that always have the same one; else ""."""
+    return next((unit for end, unit in PARAMETERS.items() if f".{name}".endswith(f".{end}")), "")
 
 
 def with_error(number: float, error: float | None) -> str:

@@ -6,6 +6,7 @@ between, stable or not, are found with time as an unknown (`corrector`), from a 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
@@ -110,6 +111,7 @@ class PathStoppedError(NotConvergedError):
 def equilibria(
     scene: Scene, *, arc: float = 0.05, smallest: float = 1e-4, largest: float = 2.0, steps: int = 200,
     until: float | None = None, start: PathPoint | None = None, backward: bool = False,
+    progress: Callable[[PathPoint], object] | None = None,
 ) -> EquilibriumPath:  # fmt: skip
     """Return the equilibria that are connected with the scene's start, through limit points.
 
@@ -120,6 +122,7 @@ def equilibria(
     smallest, largest: bounds of the steps, in units of the first.  steps: most points after the start.
     until: time at which to stop, the scene's end by default; the path also stops where it returns to t = 0.
     start: a point to go on from.  backward: from there, the way that it came.
+    progress: is called with each new point.
     Raises ValueError for parts that remember how a state was reached (drag, inertia, a pattern that evolves),
     PathStoppedError where a step fails at the smallest arc, `scene.stepping.seconds` are over, or the path
     comes back to an earlier point.
@@ -154,6 +157,8 @@ def equilibria(
         except SolveError as error:
             raise _failed(points, error) from error
         points.append(_point(last, points[-1].arc + covered))
+        if progress is not None:
+            progress(points[-1])
         if met is not None and corrector.distance(_place(met), last.place) <= SAME * covered:
             back = f"it has come back to its point at arc {met.arc:.6g}"
             raise _stopped(points, back, LOOP, points[-1])

@@ -62,9 +62,8 @@ class Buckling:
         """Return it in a line; the arrays would fill pages."""
         kind = "limit point" if self.limit else "bifurcation"
         where = f", localised on {self.extent:.0%} of the pial surface" if self.localised else ""
-        return (
-            f"Buckling({kind} at growth {self.growth:.4f}, t = {self.time:.4g}, {self.mode} half waves{where})"
-        )
+        at = f"growth {self.growth:.4f}, t = {self.time:.4g}"
+        return f"Buckling({kind} at {at}, {self.mode} half waves{where})"
 
     @property
     def localised(self) -> bool:
