@@ -1,4 +1,4 @@
-"""-q, -v and --json of the commands that run scenes for something else than their results; units of tables."""
+"""-q, -v and --json of commands that run scenes for something else than results; units of their tables."""
 
 import csv
 import json
@@ -16,7 +16,6 @@ from turingfold.cli import commands
 from turingfold.cli.main import main
 from turingfold.verification.check import Check, Quantity
 
-STEP = r"^only: t = 1, growth 1\.05\d*, \d+ iterations, residual \S+, \S+ s$"
 COMMANDS = {
     "accuracy": ["accuracy", "patch.py", "--quick", "--steps", "0"],
     "sensitivity": ["sensitivity", "patch.py", "--quick", "--to", "Elastic.gray.mu"],
@@ -62,7 +61,8 @@ def test_quiet_prints_nothing(outline, command, capsys):
 @pytest.mark.parametrize("command", ["accuracy", "sensitivity", "fit"])
 def test_verbose_prints_a_line_for_each_step(outline, command, capsys):
     assert main([*COMMANDS[command], "-v"]) == 0
-    steps = re.findall(r"^.*: t = \S+, growth \S+, \d+ iterations, residual .*$", capsys.readouterr().err, re.M)
+    told = capsys.readouterr().err
+    steps = re.findall(r"^.*: t = \S+, growth \S+, \d+ iterations, residual .*$", told, re.M)
     assert len(steps) == {"accuracy": 2, "sensitivity": 1, "fit": 2}[command]
 
 
@@ -158,7 +158,7 @@ def test_every_command_that_runs_something_takes_the_same_words():
     from turingfold.cli.parser import parser
 
     (actions,) = (one for one in parser()._actions if one.choices)
-    shows = {"collect", "plot", "app", "list", "new", "animate", "compare", "stability", "doctor", "completion"}
+    shows = set(["collect", "plot", "app", "list", "new", "animate", "compare", "stability", "doctor", "completion"])
     assert set(actions.choices) == set(commands.COMMANDS)
     for name, own in actions.choices.items():
         words = {word for action in own._actions for word in action.option_strings}

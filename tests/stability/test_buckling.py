@@ -21,8 +21,8 @@ from turingfold.solve.inertia import Indefinite, negative_pivots
 from turingfold.solve.march import begin, march
 from turingfold.solve.sparsity import Sparsity
 from turingfold.stability.buckling import buckling
-from turingfold.stability.waves import extent_of, half_waves
 from turingfold.stability.fundamental_path import FundamentalPath
+from turingfold.stability.waves import extent_of, half_waves
 from turingfold.stepping import Stepping
 from turingfold.terms.dynamics import Drag
 from turingfold.terms.elastic.material import NeoHookean
