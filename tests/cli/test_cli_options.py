@@ -183,7 +183,7 @@ def test_the_command_that_goes_on_has_the_same_options(written, capsys):  # noqa
 
 REFUSED = [
     *(["draw", "figure3", *words] for words in (["-v"], ["--max-seconds", "1"], ["--frames", "2"])),
-    *(["accuracy", "figure3", *words] for words in (["--json"], ["--figure", "a.png"], ["--no-vtu"])),
+    *(["accuracy", "figure3", *words] for words in (["--max-seconds", "1"], ["--no-vtu"])),
     ["sweep", "figure3", "--no-errors"],
     ["fit", "figure3", "--target", "1=a.csv", "--to", "a", "--jobs", "2"],
 ]  # fmt: skip
