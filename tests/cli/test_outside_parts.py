@@ -1,11 +1,14 @@
 """Results with parts from outside the package: runs, films and comparisons from the command line."""
 
+import os
+import py_compile
 import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
+from turingfold.cli.case import load_case
 from turingfold.cli.main import main
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "springs.py"
@@ -66,3 +69,23 @@ def test_a_case_with_parts_of_its_own_is_named_as_their_file(folder, capsys):
 def test_a_file_of_parts_that_is_not_there_is_named(folder, capsys):
     assert main(["compare", str(folder), str(folder), "--with", "nowhere.py"]) == 2
     assert "nowhere.py" in capsys.readouterr().err
+
+
+def test_a_case_and_what_it_imports_are_run_from_their_text(tmp_path, monkeypatch):
+    """Python takes stored bytecode for its own if second and size of the source agree."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    case = tmp_path / "bulging.py"
+    beside = tmp_path / "beside_bulging.py"
+    case.write_text(
+        '"""A case."""\nfrom beside_bulging import GROWTH\n\ndef scenes(quick=False):\n    return {}\n'
+    )
+    for number in (1, 2):
+        beside.write_text(f"GROWTH = {number}\n")
+        os.utime(beside, (1e9, 1e9))  # as quick editing by a script leaves it
+        if number == 1:
+            py_compile.compile(str(beside))
+        sys.modules.pop("beside_bulging", None)
+        found = load_case(case).module.GROWTH
+        assert found == number
+    sys.modules.pop("beside_bulging", None)
+    sys.path.remove(str(tmp_path))

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -462,6 +463,29 @@ def test_the_contact_pressure_carries_what_the_stress_does():
     assert -forces[y > 0.95, 1].sum() == pytest.approx(pressed, rel=0.01)  # across a flat lid
     assert "contact_pressure" in result.observe(0)
     assert not result.observe(0)["contact_pressure"].any()
+
+
+def test_the_contact_pressure_of_corners_is_over_both_their_edges():
+    body = semicircle(radius=1.0, thickness=0.2, size=0.1, base="free")
+    corners = 1.03 * np.array([[-1, -0.03], [1, -0.03], [1, 1], [-1, 1], [-1, -0.03]])
+    sides = [np.linspace(a, b, 20, endpoint=False) for a, b in pairwise(corners)]
+    box = np.concatenate([*sides, corners[-1:]]).T
+    scene = Scene(
+        body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)), SelfContact(skull=box)),
+        processes=(TangentialGrowth(cortex=1.15, core=1.15, radial_core=1.15),),
+    )  # fmt: skip
+    result = simulate(scene)
+    pressure = result.observe()["contact_pressure"][0]
+    points, facets = body.nodes + result.last["displacement"], body.mesh.boundary_facets()
+    ends, middle = body.mesh.facets[:, facets], body.mesh.nvertices + facets
+    length = sum(np.hypot(*(points[:, end] - points[:, middle])) for end in ends)
+    triangle = body.mesh.f2t[0, facets]
+    with_two = np.bincount(triangle, minlength=len(pressure)) == 2
+    assert with_two.sum() == 2
+    assert (pressure[with_two] > 0.3).all()
+    contact = scene.terms[1].on(body).during(result.last, TimeStep(1.0, over=True))
+    forces = contact.evaluate(by_node(result.last["displacement"])).gradient()[0].reshape(-1, 2)
+    assert pressure[triangle] @ length == pytest.approx(np.hypot(*forces.T).sum(), rel=1e-9)
 
 
 def test_skull_too_close():

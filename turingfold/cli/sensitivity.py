@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 TABLE = "sensitivity.csv"
 COLUMNS = (
     "scene", "measure", "measure_unit", "number", "parameter", "parameter_unit", "value", "derivative",
-    "per_cent_per_per_cent", "force_error", "good_for",
+    "per_cent_per_per_cent", "force_error", "good_for", "kink",
 )  # fmt: skip
 UNITS = {"perimeter": "m", "sulcal_depth": "m", "energy": "J/m"}  # of measures in SI
 ROUGH = 1e-2  # relative error of a derivative of forces that is told
@@ -142,5 +142,5 @@ def _rows(name: str, one: Sensitivity, *, si: bool) -> Iterator[tuple[Any, ...]]
             units = (UNITS.get(measure, ""), parameter_unit(parameter)) if si else ("", "")
             yield (
                 name, measure, units[0], one.numbers[i], parameter, units[1], one.values[k],
-                one.derivatives[i, k], one.relative[i, k], one.errors[k], one.ranges[k],
+                one.derivatives[i, k], one.relative[i, k], one.errors[k], one.ranges[k], one.jumps[i, k],
             )  # fmt: skip

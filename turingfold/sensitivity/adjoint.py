@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..results.result import Result
-from .measures import MEASURES, Measure, gradient_of, measures_of, pial_at
+from .measures import MEASURES, Measure, gradient_of, measures_of, numbers_at
 from .parameters import number_of
 from .tangent import Equilibrium
 
@@ -24,6 +24,7 @@ class AdjointSensitivity:
 
     derivatives: (m, p).  forces: by how much each measure changes with a force at each node, (m, 2, n_nodes);
     per N for each m of depth; 0 where nodes are held.  errors: of ∂g/∂p, relative, (p,).
+    jumps: of ∂m/∂x, relative, where a measure jumps or has a kink, (m,).
     negative_pivots: of the tangent; 0 at a minimum.
     """
 
@@ -34,6 +35,7 @@ class AdjointSensitivity:
     derivatives: Array
     forces: Array
     errors: Array
+    jumps: Array
     negative_pivots: int
 
 
@@ -42,22 +44,22 @@ def adjoint_sensitivity(
 ) -> AdjointSensitivity:
     """Return the derivatives of measures with respect to parameters, and to forces at the nodes.
 
-    dm/dp = ∂m/∂p - λ·∂g/∂p, K λ = ∂m/∂x; of the energy ∂E/∂p, its λ being 0. Cheaper than `sensitivity` where
-    there are more parameters than measures, as with a map of growth; it does not say how far they hold.
+    dm/dp = ∂m/∂p - λ·∂g/∂p, K λ = ∂m/∂x; of the energy ∂E/∂p, its λ being 0. One solve a measure, where
+    `sensitivity` has one a parameter, as with a map of growth; it does not say how far they hold. Depths and
+    functions of one's own are taken apart by differences, four evaluations for each pial displacement.
     to, of: as in `sensitivity`; without `to` only the effect of forces is computed.
     Raises ValueError and NotConvergedError as `sensitivity` does.
     """
     here = Equilibrium.of(result, step)
     values = np.array([number_of(result.scene, parameter) for parameter in to])
     measures = measures_of(result, of)
-    points = pial_at(result, here.x)
     still = np.zeros(len(here.x))
-    adjoints = np.stack(
-        [
-            still if measure is None else here.tangent.solve(gradient_of(result, measure, here.x))
-            for measure in measures.values()
-        ]
-    )
+    free = here.tangent.assembler.free
+    gradients = [
+        (still, 0.0) if measure is None else gradient_of(result, measure, here.x, free)
+        for measure in measures.values()
+    ]
+    adjoints = np.stack([here.tangent.solve(each) if each.any() else still for each, _ in gradients])
     derivatives, errors = np.zeros((len(measures), len(to))), np.zeros(len(to))
     own = np.array([measure is None for measure in measures.values()], dtype=float)
     for k, parameter in enumerate(to):
@@ -66,7 +68,7 @@ def adjoint_sensitivity(
         errors[k] = found.error
     return AdjointSensitivity(
         parameters=tuple(to), values=values, measures=tuple(measures),
-        numbers=np.array([here.at.energy if m is None else m(points) for m in measures.values()]),
+        numbers=numbers_at(result, measures, here.x, here.at.energy),
         derivatives=derivatives, forces=adjoints.reshape(len(measures), -1, 2).swapaxes(1, 2), errors=errors,
-        negative_pivots=here.tangent.factors.negative,
+        jumps=np.array([jump for _, jump in gradients]), negative_pivots=here.tangent.factors.negative,
     )  # fmt: skip

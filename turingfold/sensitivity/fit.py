@@ -8,7 +8,6 @@ squares is minimised by scipy's trust region method with bounds.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,27 +16,25 @@ from typing import Any, Literal
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..checks import finite, instance, positive
 from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
 from ..morphometry.distance import sampled, signed_distance, through
 from ..morphometry.pose import posed, without_rigid
 from ..parts import TimeStep
-from ..results.files import write_whole
 from ..results.surface import along_pial, pial_closed
 from ..scene import Scene
 from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
-from .fit_setup import BEST, best_so_far, check_fitted, checked_start, limits
+from .fit_setup import best_so_far, check_fitted, checked_start, keep_best, limits
 from .landmarks import Landmarks, checked_landmarks
 from .parameters import change, changed_in, check_path, number_of
-from .smoothing import SPLINE, second_differences, smoothest
+from .smoothing import misfit, second_differences, smoothest
+from .standard_errors import noise_of, told
 from .tangent import Tangent
 from .targets import checked_targets
-
-DISTINCT = 1e-4  # singular values below this share of the largest belong to what the outlines do not tell
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +46,7 @@ class Fit:
     misfits: root mean square distance per age; m.  distinct: how many combinations of the parameters the
     outlines tell apart.  singular_values: of the scaled Jacobian, (p,).  flat: changes of the parameters of
     unit length that the outlines do not tell, (p - distinct, p).  solves: equilibria that were found.
+    smoothness: the weight of second differences.
     """
 
     scene: Scene
@@ -61,6 +59,7 @@ class Fit:
     flat: Array
     solves: int
     message: str
+    smoothness: float
 
 
 def fit(
@@ -89,8 +88,9 @@ def fit(
     in units of the cortical thickness; "auto": as much as the noise allows, or by the L-curve (see
     `smoothing.smoothest`).  noise: standard deviation of the targets, m, for the standard errors; else they
     follow from the misfit.
-    out: a folder in which fit.json always holds the best so far.  resume: begin with that, if it is there.
-    progress: is called with each root mean square misfit, m.
+    out: a folder in which fit.json always holds the best so far, of one that runs, and at the end what was
+    found; one of an earlier fit is replaced.  resume: begin with that, if it is there.
+    progress: is called with each root mean square distance of the outlines, m.
     Raises ValueError for targets that cross themselves or are far off, ages outside the scene, and scenes
     whose state depends on the way to it; NotConvergedError where the scene itself does not reach the ages.
     """
@@ -106,7 +106,7 @@ def fit(
                 begun, targets, to, bounds=bounds, landmarks=landmarks, smoothness=weight, noise=noise,
                 tolerance=tolerance, out=out, resume=resume and not again, progress=progress,
             ),
-            scene, noise,
+            scene, noise, None if out is None else Path(out),
         )  # fmt: skip
     if isinstance(smoothness, str) or finite("smoothness", smoothness) < 0:
         raise ValueError(f'smoothness={smoothness!r} must be 0 or more, or "auto".')
@@ -132,13 +132,17 @@ def fit(
     return problem.result(np.asarray(solved.x), str(solved.message), noise)
 
 
-def _smoothest(fitted: Callable[[Scene, float, bool], Fit], scene: Scene, noise: float | None) -> Fit:
+def _smoothest(
+    fitted: Callable[[Scene, float, bool], Fit], scene: Scene, noise: float | None, out: Path | None
+) -> Fit:
     """Return the fit of the smoothest map; fitted: by the scene it begins with, the weight, whether again."""
 
     def with_weight(weight: float, last: Fit | None) -> Fit:
         return fitted(scene if last is None else last.scene, weight, last is not None)
 
     found, how = smoothest(with_weight, noise)
+    if out is not None:
+        keep_best(out, found.parameters, found.values, misfit(found), found.smoothness, found.solves)
     return replace(found, message=f"{found.message} {how}")
 
 
@@ -156,6 +160,7 @@ class _Inverse:
     progress: Callable[[float], object] | None
     solves: int = 0
     best: float = float("inf")
+    _best: tuple[Array, dict[float, Array]] | None = None  # parameters and displacements by age
     _at: Array | None = None  # the parameters of `_x`
     _x: dict[float, Array] = field(default_factory=dict)  # displacement by age
     _moves: dict[float, Array] = field(default_factory=dict)  # dx/dp by age
@@ -174,15 +179,25 @@ class _Inverse:
             return np.full(self._count(), 1e3)  # scipy goes back to shorter steps
         self._at, self._x, self._moves = values.copy(), x, {}
         rows = [self._distances(age, x[age])[0] for age in self.targets]
-        rows += [self._mark * own.apart(x[age]).ravel() for age, own in self.landmarks.items()]
+        rows += [self._mark(age) * own.apart(x[age]).ravel() for age, own in self.landmarks.items()]
         found = np.concatenate([*rows, self._roughness() @ values])
-        self._keep(values, found)
+        self._keep(values, x, found)
         return found
+
+    def _go_to(self, values: Array) -> None:
+        """Have the equilibria of some values at hand; raises NotConvergedError where they are not found."""
+        if self._at is not None and np.array_equal(values, self._at):
+            return
+        if self._best is not None and np.array_equal(values, self._best[0]):  # the last step was not taken
+            self._at, self._x, self._moves = *self._best, {}
+            return
+        self.residuals(values)
+        if self._at is None or not np.array_equal(values, self._at):
+            raise NotConvergedError("the equilibria of the fit are not found again", time=max(self.targets))
 
     def jacobian(self, values: Array) -> Array:
         """Return the derivatives of the residuals."""
-        if self._at is None or not np.array_equal(values, self._at):
-            self.residuals(values)
+        self._go_to(values)
         rows, scene = [], self._with(values)
         problem = Problem(scene)
         start = problem.start()
@@ -200,42 +215,33 @@ class _Inverse:
             moved = np.einsum("in,pin->np", normals, ways) * self._weights()[:, None]
             rows.append(without_rigid(moved, rigid))
         for age, own in self.landmarks.items():
-            rows.append(self._mark * np.stack([own.moved(move).ravel() for move in self._moves[age]], axis=1))
+            moved = np.stack([own.moved(move).ravel() for move in self._moves[age]], axis=1)
+            rows.append(self._mark(age) * moved)
         return np.concatenate([*rows, self._roughness()])
 
-    @property
-    def _mark(self) -> float:
-        """The weight of a landmark: that of a point of the outlines; 1/m."""
-        points = sum(self.given.values()) / len(self.given)
-        return float(1.0 / (np.sqrt(points) * self.scene.body.thickness))
+    def _mark(self, age: float) -> float:
+        """Return the weight of a landmark: that of a point of its outline; 1/m."""
+        return float(1.0 / (np.sqrt(self.given[age]) * self.scene.body.thickness))
 
     def result(self, values: Array, message: str, noise: float | None) -> Fit:
         """Return what was found, with standard errors."""
-        jacobian = self.jacobian(values)
-        marked = self._marked()
-        rows = marked + sum(len(self._distances(age, self._x[age])[0]) for age in self.targets)
-        residual = self.residuals(values)[:rows]
-        data, T = jacobian[:rows], self.scene.body.thickness
-        scale = np.maximum(np.linalg.norm(data, axis=0), 1e-300)
-        _, singular, modes = np.linalg.svd(data / scale, full_matrices=False)
-        told = singular > DISTINCT * singular[0]
-        # outlines hold as many independent errors as points, and the weights of an age add up to 1/T²
-        count = sum(self.given.values())
-        variance = float(residual @ residual) / SPLINE / max(count + marked - len(values), 1)
-        if noise is not None:
-            variance = (noise / T) ** 2 * len(self.targets) / count
-        spread = ((modes[told] / singular[told, None]) ** 2).sum(0)
-        lost = (modes[~told] ** 2).sum(0) > 0.1
-        deviations = np.where(lost, np.inf, np.sqrt(variance * spread) / scale)
-        each = len(self._weights())
-        misfits = {
-            age: float(np.linalg.norm(residual[k * each : (k + 1) * each])) * T
-            for k, age in enumerate(self.targets)
-        }
+        jacobian, residual, T = self.jacobian(values), self.residuals(values), self.scene.body.thickness
+        points = np.array([self.given[age] for age in self.targets])
+        each = len(self._weights()) * len(points)
+        ages = np.concatenate([np.repeat(np.arange(len(points)), each // len(points)), self._ages_of_marks()])
+        outlines, marks = (
+            np.bincount(ages[own], residual[own] ** 2, minlength=len(points)).astype(float)
+            for own in (slice(each), slice(each, len(ages)))
+        )
+        spread = (
+            noise_of(outlines, marks, points, len(ages) - each, len(values)) if noise is None else noise / T
+        )
+        found = told(jacobian[: len(ages)], spread / np.sqrt(points[ages]))
         return Fit(
-            scene=self._with(values), parameters=self.parameters, values=values, deviations=deviations,
-            misfits=misfits, distinct=int(told.sum()), singular_values=singular, solves=self.solves,
-            flat=_unit(modes[~told] / scale), message=message,
+            scene=self._with(values), parameters=self.parameters, values=values, deviations=found.deviations,
+            misfits=dict(zip(self.targets, (T * np.sqrt(outlines)).tolist(), strict=True)),
+            distinct=found.distinct, singular_values=found.singular_values, flat=found.flat,
+            solves=self.solves, message=message, smoothness=self.smoothness,
         )  # fmt: skip
 
     def _with(self, values: Array) -> Scene:
@@ -311,24 +317,23 @@ class _Inverse:
         return self.smoothness * rows if self.smoothness > 0 else rows[:0]
 
     def _count(self) -> int:
-        return len(self.targets) * len(self._weights()) + self._marked() + len(self._roughness())
+        marked = sum(own.targets.size for own in self.landmarks.values())
+        return len(self.targets) * len(self._weights()) + marked + len(self._roughness())
 
-    def _marked(self) -> int:
-        """Return the number of coordinates of all landmarks."""
-        return sum(own.targets.size for own in self.landmarks.values())
+    def _ages_of_marks(self) -> Integers:
+        """Return the number of the age of each coordinate of all landmarks."""
+        order = list(self.targets)
+        counts = [own.targets.size for own in self.landmarks.values()]
+        return np.repeat(np.array([order.index(age) for age in self.landmarks], dtype=int), counts)
 
-    def _keep(self, values: Array, residual: Array) -> None:
-        misfit = float(np.linalg.norm(residual)) * self.scene.body.thickness / np.sqrt(len(self.targets))
-        if misfit < self.best:
-            self.best = misfit
+    def _keep(self, values: Array, x: dict[float, Array], residual: Array) -> None:
+        """Store the best so far, and tell the misfit of the outlines."""
+        outlines = residual[: len(self.targets) * len(self._weights())]
+        misfit = float(np.linalg.norm(outlines)) * self.scene.body.thickness / np.sqrt(len(self.targets))
+        size = float(np.linalg.norm(residual))
+        if size < self.best:
+            self.best, self._best = size, (values.copy(), x)
             if self.out is not None:
-                self.out.mkdir(parents=True, exist_ok=True)
-                best = dict(zip(self.parameters, values.tolist(), strict=True))
-                document = {"misfit": misfit, "parameters": best, "solves": self.solves}
-                write_whole(self.out / BEST, json.dumps(document, indent=1).encode())
+                keep_best(self.out, self.parameters, values, misfit, self.smoothness, self.solves)
         if self.progress is not None:
             self.progress(misfit)
-
-
-def _unit(rows: Array) -> Array:
-    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array
+from ..results.files import write_whole
 
 BEST = "fit.json"
 
@@ -58,6 +59,21 @@ def check_fitted(to: Sequence[str]) -> None:
         raise ValueError(f'to={to!r}: give a list of one parameter or more, such as ["Elastic.gray.mu"].')
     if twice := [name for name in dict.fromkeys(to) if list(to).count(name) > 1]:
         raise ValueError(f"to names {', '.join(twice)} twice; give each parameter once.")
+
+
+def keep_best(
+    folder: Path, to: tuple[str, ...], values: Array, misfit: float, smoothness: float, solves: int
+) -> None:
+    """Store what a fit has come to, whole.
+
+    misfit: root mean square distance of the outlines, m.  smoothness: the weight it was fitted with.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    document = {
+        "misfit": misfit, "parameters": dict(zip(to, values.tolist(), strict=True)), "solves": solves,
+        "smoothness": smoothness,
+    }  # fmt: skip
+    write_whole(folder / BEST, json.dumps(document, indent=1).encode())
 
 
 def best_so_far(folder: Path, to: tuple[str, ...], values: Array) -> Array:

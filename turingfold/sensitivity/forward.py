@@ -14,10 +14,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..results.result import Result
-from .measures import MEASURES, Measure, measures_of, pial_at, rate_along
+from .measures import MEASURES, Measure, measures_of, numbers_at, rate_along
 from .parameters import number_of
 from .tangent import Equilibrium
 from .validity import MISSED, range_of
+
+ROUGH = 1e-2  # share of a measure's largest derivative that its kinks leave open, beyond which it is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +27,8 @@ class Sensitivity:
     """Derivatives at one equilibrium.
 
     parameters, values: what they are with respect to, p of them.  measures, numbers: what of, m of them.
-    derivatives: (m, p).  displacement: dx/dp, (p, 2, n_nodes); m per unit of the parameter.
+    derivatives: (m, p).  jumps: by how much they may err where a measure jumps or has a kink, as the depth
+    where a sulcus comes to count, (m, p).  displacement: dx/dp, (p, 2, n_nodes); m per unit of the parameter.
     errors: of ∂g/∂p, relative, (p,).  negative_pivots: of the tangent; 0 at a minimum.
     ranges: by what share of itself each parameter may change until dx/dp misses a tenth of the displacement,
     (p,), at most 1.  stability: lowest eigenvalue of the tangent over that at the scene's start; 0: a snap.
@@ -36,6 +39,7 @@ class Sensitivity:
     measures: tuple[str, ...]
     numbers: Array
     derivatives: Array
+    jumps: Array
     displacement: Array
     errors: Array
     negative_pivots: int
@@ -68,6 +72,12 @@ class Sensitivity:
             f"good for: changes of the parameter within which the linear answer errs by up to {MISSED:.0%}\n"
             f"the lowest eigenvalue of the tangent is {self.stability:.2g} times that of the start (0: snap)"
         )
+        largest, open_ = (np.abs(own * self.values).max(1) for own in (self.derivatives, self.jumps))
+        lines += [
+            f"{name} jumps or has a kink here: its numbers may err by as much as {lost:.2g} of {size:.2g}"
+            for name, lost, size in zip(self.measures, open_, largest, strict=True)
+            if lost > ROUGH * size
+        ]
         return "\n".join(lines)
 
 
@@ -88,18 +98,18 @@ def sensitivity(
     changes = [here.change(parameter) for parameter in to]
     moves = np.stack([-here.tangent.solve(found.gradient) for found in changes])
     measures = measures_of(result, of)
-    points = pial_at(result, here.x)
     rows = [
-        [found.energy for found in changes]
+        [(found.energy, 0.0) for found in changes]
         if measure is None
         else [rate_along(result, measure, here.x, move) for move in moves]
         for measure in measures.values()
     ]
-    numbers = [here.at.energy if measure is None else measure(points) for measure in measures.values()]
+    derivatives = np.array(rows).reshape(len(measures), len(to), 2)
     factors = here.tangent.factors
     return Sensitivity(
-        parameters=tuple(to), values=values, measures=tuple(measures), numbers=np.array(numbers),
-        derivatives=np.array(rows).reshape(len(measures), len(to)),
+        parameters=tuple(to), values=values, measures=tuple(measures),
+        numbers=numbers_at(result, measures, here.x, here.at.energy),
+        derivatives=derivatives[..., 0], jumps=derivatives[..., 1],
         displacement=moves.reshape(len(to), -1, 2).swapaxes(1, 2),
         errors=np.array([found.error for found in changes]), negative_pivots=factors.negative,
         ranges=np.array([

@@ -50,7 +50,8 @@ class Landmarks:
 def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> Landmarks:
     """Return landmarks as (place, point): where one is on the undeformed surface, and at that age, in m.
 
-    A place is a share of the pial surface's length, of half a body of the whole one's, or a point in m.
+    A place is a share of the pial surface's length or a point in m. On half a body it is a share of the whole
+    surface's: up to 0.5 on the half, from where its own begins, the others on its image.
     Raises ValueError for places off the surface, what are no pairs, and bodies that nothing supports.
     """
     what = f"landmarks[{age:g}]"

@@ -2,12 +2,13 @@
 
 The part is made anew with the parameter a little larger and smaller, and with it the processes that its
 change reaches; everything else is kept. Differences over h and h/2 are extrapolated, so that errors are of
-order h⁴, and how far the two lie apart says how large they are.
+order h⁴, and how far the two lie apart says how large they are. At a limit of its part, as a Poisson's ratio
+of 0, the parameter goes the other way only.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
@@ -24,6 +25,9 @@ THICKNESS = "Body.thickness"
 STEP = 1e-3  # change of a parameter, relative to it; of one that is 0, in its own unit
 ROUNDED = 1e-6  # an error of ∂g/∂p beyond which a parameter may be too near 0 for a relative change
 TINY = 1e-9  # a parameter of which it is
+# differences of fourth order, and coarser ones that say how large their errors are: places in h, weights
+CENTRAL = ((-1.0, -0.5, 0.5, 1.0), (1 / 6, -4 / 3, 4 / 3, -1 / 6), (0.0, -1.0, 1.0, 0.0))
+FORWARD = ((0.0, 0.5, 1.0, 1.5, 2.0), (-25 / 6, 8.0, -6.0, 8 / 3, -0.5), (-11 / 3, 6.0, -3.0, 2 / 3, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +60,39 @@ def change(problem: Problem, state: State, x: Array, parameter: str, step: TimeS
 def _change_by(
     problem: Problem, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
 ) -> Change:
-    """Return how forces and energy change, by differences over h and h/2."""
-    wide, narrow = (_difference(problem, state, x, parameter, step, value, share * h) for share in (1.0, 0.5))
-    found = (4 * narrow - wide) / 3
+    """Return how forces and energy change, by differences over h; where a part refuses them, to one side.
+
+    Raises ValueError where it refuses both.
+    """
+    try:
+        return _differences(problem, state, x, parameter, step, value, h, CENTRAL)
+    except ValueError as error:
+        for one_way in (h, -h):
+            try:
+                return _differences(problem, state, x, parameter, step, value, one_way, FORWARD)
+            except ValueError:
+                continue
+        raise ValueError(
+            f"{parameter} is {value!r}, and its part takes no values up to {2 * h:.3g} below or above it; "
+            f"a derivative needs them: {error}"
+        ) from error
+
+
+def _differences(
+    problem: Problem, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float,
+    rule: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]],
+) -> Change:  # fmt: skip
+    """Return how forces and energy change, by a rule for differences over h."""
+    places, fine, coarse = rule
+    forces = np.stack(
+        [
+            _forces(problem, changed_in(problem.scene, parameter, value + place * h), state, x, step)
+            for place in places
+        ]
+    )
+    found, rough = (np.array(weights) @ forces / h for weights in (fine, coarse))
     size = float(np.linalg.norm(found[:-1]))
-    error = float(np.linalg.norm((narrow - wide)[:-1])) / 3 / size if size > 0 else 0.0
+    error = float(np.linalg.norm((found - rough)[:-1])) / size if size > 0 else 0.0
     return Change(found[:-1], float(found[-1]), error)
 
 
@@ -122,7 +154,7 @@ def _thickness(scene: Scene) -> float:
 def numbers_of(scene: Scene) -> tuple[str, ...]:
     """Return the parameters of the scene's parts, "Part.name", that can have a sensitivity.
 
-    Every number with a decimal point but 0, of parts that are there once, which may be a little larger and
+    Every number with a decimal point but 0, of parts that are there once, which may be a little larger or
     smaller.
     """
     parts = [*scene.terms, *scene.processes]
@@ -152,22 +184,23 @@ def _numbers(name: str, value: Any) -> Iterator[str]:
 def _may_change(scene: Scene, parameter: str) -> bool:
     try:
         value = number_of(scene, parameter)
-        for h in (-STEP, STEP):
-            changed_in(scene, parameter, value * (1 + h))
+    except ValueError:
+        return False
+    either, up = CENTRAL[0], FORWARD[0]
+    down = tuple(-place for place in up)
+    return any(
+        _takes(scene, parameter, [value * (1 + place * STEP) for place in way]) for way in (either, up, down)
+    )
+
+
+def _takes(scene: Scene, parameter: str, values: Sequence[float]) -> bool:
+    """Return whether the scene takes all values of a parameter."""
+    try:
+        for value in values:
+            changed_in(scene, parameter, value)
     except ValueError:
         return False
     return True
-
-
-def _difference(
-    problem: Problem, state: State, x: Array, parameter: str, step: TimeStep, value: float, h: float
-) -> Array:
-    """Return the central difference of forces and energy, (2 n_nodes + 1,)."""
-    up, down = (
-        _forces(problem, changed_in(problem.scene, parameter, at), state, x, step)
-        for at in (value + h, value - h)
-    )
-    return (up - down) / (2 * h)
 
 
 def _forces(problem: Problem, changed: Scene, state: State, x: Array, step: TimeStep) -> Array:

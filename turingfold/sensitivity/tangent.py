@@ -46,7 +46,7 @@ class Equilibrium:
         if not state.time:
             raise ValueError(f"step={number} is the start, before anything has grown; choose a later state.")
         check_path(problem, result.states[0])
-        x, step = by_node(state["displacement"]), TimeStep(state.time or result.scene.until, over=True)
+        x, step = by_node(state["displacement"]), TimeStep(state.time, over=True)
         return cls(problem, state, x, step, _balanced(problem, state, step, x))
 
     @cached_property

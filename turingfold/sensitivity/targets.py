@@ -23,6 +23,11 @@ def checked_targets(scene: Scene, targets: Mapping[float, Any]) -> dict[float, A
     if not targets:
         raise ValueError("targets is empty; give an outline by age, such as {1.0: points}.")
     body, found = scene.body, {}
+    if len(body.pial_paths) > 1:
+        raise ValueError(
+            f"the body's pial surface has {len(body.pial_paths)} parts; a fit compares one outline with one, "
+            "so give a body of one part."
+        )
     for age, points in sorted(targets.items()):
         positive("age", age, at_most=scene.until, remedy="ages are times of the scene")
         curve = finite_array(f"targets[{age:g}]", points, (2, None))
@@ -34,7 +39,10 @@ def checked_targets(scene: Scene, targets: Mapping[float, Any]) -> dict[float, A
             raise ValueError(
                 f"targets[{age:g}] is {extent:.3g} m wide, the body {2 * body.length:.3g} m: are both in m?"
             )
-        crossings = self_intersections(curve, closed=pial_closed(body))
+        try:
+            crossings = self_intersections(curve, closed=pial_closed(body))
+        except ValueError as error:
+            raise ValueError(f"targets[{age:g}]: {error}") from None
         if crossings:
             raise ValueError(f"targets[{age:g}] crosses itself {crossings} times; repair it, see `outline`.")
         _check_both_halves(body, f"targets[{age:g}]", curve)

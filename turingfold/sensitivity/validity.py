@@ -21,6 +21,7 @@ MISSED = 0.1  # share of a displacement that the linear answer may miss
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
 STILL = 1e-12  # thicknesses that are no motion
 TRIALS, LONGEST = 6, 2.0  # at most; and by how much the later ones may go farther each
+REFUSALS = 40  # of trials, at most
 POWERS = 40  # of the inverse: the lowest eigenvalue is then known to a few per cent
 ALIKE = 1e-3  # relative change of it at which they end
 
@@ -43,22 +44,28 @@ def range_of(
     """Return by what share of itself a parameter may change until the linear answer misses MISSED.
 
     Of the displacement, in its nodes' norm; first by the second order, from a small trial, then by trials at
-    the range itself, where walls may have met. move: dx/dp, (2 n_nodes,).  Infinite where nothing moves.
+    the range itself, where walls may have met. move: dx/dp, (2 n_nodes,).  At most 1; infinite where nothing
+    moves, NaN of a parameter that is 0, 0 where not the least change is admissible.
     """
     value, largest = number_of(problem.scene, parameter), float(np.abs(move).max())
+    if not value:
+        return float("nan")
     if abs(value) * largest <= STILL * problem.scene.body.thickness:  # as much again moves nothing
         return float("inf")
-    change = SMALL * problem.scene.body.thickness / largest
-    for trial in range(TRIALS):
+    change, known, refused = SMALL * problem.scene.body.thickness / largest, 0, 0
+    change = min(change, abs(value))
+    while known < TRIALS and refused < REFUSALS:
         share = _missed(problem, state, change, move, parameter, step, factors)
-        if share is None:
-            change *= 0.5
-        elif trial and 0.8 * MISSED < share < 1.25 * MISSED:
+        if share is None:  # a limit of its part, or of the body: the other way, then less far
+            change *= -1.0 if refused % 2 == 0 else 0.5
+            refused += 1
+            continue
+        if known and 0.8 * MISSED < share < 1.25 * MISSED:
             break
-        else:
-            change *= min(MISSED / max(share, 1e-300), LONGEST if trial else np.inf)
-            change = min(change, abs(value))  # more than as much again is no small change
-    return abs(change / value)
+        change *= min(MISSED / max(share, 1e-300), LONGEST if known else np.inf)
+        change = float(np.clip(change, -abs(value), abs(value)))  # more than as much again is no small change
+        known += 1
+    return abs(change / value) if known else 0.0
 
 
 def _missed(
@@ -68,10 +75,11 @@ def _missed(
     """Return the share of a displacement that the linear answer misses; None for what is not admissible."""
     try:
         changed = changed_in(problem.scene, parameter, number_of(problem.scene, parameter) + change)
-    except ValueError:
+        now = state.updated(**fields_of(problem.scene, changed, state))
+        operators = operators_of(problem, changed)
+    except ValueError:  # a part refuses it
         return None
-    x, now = by_node(state["displacement"]), state.updated(**fields_of(problem.scene, changed, state))
-    acting = (operator.during(now, step) for operator in operators_of(problem, changed))
+    x, acting = by_node(state["displacement"]), (operator.during(now, step) for operator in operators)
     at = configuration(tuple(one for one in acting if one is not None), x + change * move)
     if at is None:
         return None

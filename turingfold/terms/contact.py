@@ -281,8 +281,8 @@ class ContactEvaluation(Evaluation):
     def observe(self) -> Fields:
         """Return the contact pressure in the triangles at the boundary, 0 in others; (q, e), Pa.
 
-        What walls that touch give to an edge's nodes, over its length now; a node gives each of its edges
-        the same share.
+        What walls that touch give to the nodes of a triangle's edges, over their length now; a node gives
+        each of its edges the same share.
         """
         operator = self.operator
         points, triangles = operator.at_points
@@ -293,8 +293,11 @@ class ContactEvaluation(Evaluation):
             start, middle, end = (self.points[nodes] * operator.unit for nodes in edges)
             lengths = np.hypot(*(middle - start).T) + np.hypot(*(end - middle).T)
             shared = forces / np.maximum(np.bincount(edges.ravel(), minlength=len(forces)), 1)
-            found = shared[edges].sum(axis=0) / lengths
-            pressure += np.bincount(operator.triangles, found, minlength=triangles)
+            force, length = (
+                np.bincount(operator.triangles, of_edges, minlength=triangles)
+                for of_edges in (shared[edges].sum(axis=0), lengths)
+            )
+            pressure += np.divide(force, length, out=np.zeros(triangles), where=length > 0)
         return {"contact_pressure": pressure}
 
     def measure(self) -> dict[str, float]:

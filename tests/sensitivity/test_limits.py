@@ -1,0 +1,325 @@
+"""Parameters at the limits of their parts, measures with kinks, several pial surfaces, standard errors."""
+
+import json
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from skfem import MeshTri2
+from small import elastic_scene, folding_scene
+
+from turingfold import (
+    Elastic,
+    GrowthMap,
+    Imperfection,
+    NeoHookean,
+    NotConvergedError,
+    Scene,
+    Stepping,
+    TangentialGrowth,
+    adjoint_sensitivity,
+    fit,
+    half,
+    outline,
+    semicircle,
+    sensitivity,
+    simulate,
+)
+from turingfold.extend import Evolution, Process
+from turingfold.geometry.body import by_node
+from turingfold.parts import TimeStep
+from turingfold.results.surface import along_pial
+from turingfold.sensitivity import fit as fitting
+from turingfold.sensitivity import validity
+from turingfold.sensitivity.landmarks import landmarks_of
+from turingfold.sensitivity.measures import measures_of
+from turingfold.sensitivity.parameters import CENTRAL, FORWARD, numbers_of
+from turingfold.sensitivity.standard_errors import noise_of, told
+from turingfold.solve.newton import Minimiser
+from turingfold.solve.problem import Problem
+
+
+def imperfect(amplitude):
+    made = folding_scene()
+    processes = (*made.processes, Imperfection(amplitude=amplitude))
+    return replace(made, processes=processes, until=0.5, stepping=replace(made.stepping, tolerance=1e-11))
+
+
+@pytest.fixture(scope="module")
+def at_limit():
+    return simulate(imperfect(0.3))  # the largest that there is
+
+
+def test_the_rules_for_differences_are_of_fourth_order():
+    for rule, orders in ((CENTRAL, (5, 3)), (FORWARD, (5, 4))):
+        places, *all_weights = map(np.array, rule)
+        for weights, order in zip(all_weights, orders, strict=True):
+            powers = [float(weights @ places**k) for k in range(order)]
+            np.testing.assert_allclose(powers, np.eye(order)[1], atol=1e-13)
+
+
+def test_at_a_limit_of_its_part_the_derivative_is_that_of_the_side_that_is_left(at_limit):
+    name = "Imperfection.amplitude"
+    assert name in numbers_of(at_limit.scene)
+    found = sensitivity(at_limit, to=(name,))
+    h, problem, old = 1e-4, Problem(at_limit.scene), at_limit.last
+    x = []
+    for k in range(4):
+        changed = Problem(imperfect(0.3 - k * h))
+        state = changed.processed(changed.start(), old.time)
+        kept = {key: old[key] for key in ("displacement", "contact_chords")}
+        step = TimeStep(old.time, over=True)
+        minimiser = Minimiser(problem.n_dofs, problem.held, 1e-12, 60)
+        potentials = changed.potentials(state.updated(**kept), step)
+        x.append(minimiser.minimise(potentials, by_node(old["displacement"])).x)
+    expected = (11 * x[0] - 18 * x[1] + 9 * x[2] - 2 * x[3]) / (6 * h)
+    scale = np.abs(expected).max()
+    assert scale > 1e-4 * at_limit.scene.body.thickness
+    assert np.abs(by_node(found.displacement[0]) - expected).max() < 1e-5 * scale
+    assert found.errors[0] < 1e-5
+    assert 0 < found.ranges[0] <= 1
+    adjoint = adjoint_sensitivity(at_limit, to=(name,))
+    np.testing.assert_allclose(adjoint.derivatives, found.derivatives, rtol=1e-5, atol=1e-9)
+
+
+def test_a_fit_goes_to_a_limit_and_starts_at_one():
+    made = elastic_scene(TangentialGrowth(cortex=1.3), Imperfection(amplitude=0.3))
+    hidden = simulate(made).pial()
+    for begun in (0.2, 0.3):
+        scene = elastic_scene(TangentialGrowth(cortex=1.25), Imperfection(amplitude=begun))
+        names = ("Imperfection.amplitude", "TangentialGrowth.cortex")
+        found = fit(scene, {1.0: hidden}, names, bounds={names[0]: (0.0, 0.3)})
+        np.testing.assert_allclose(found.values, (0.3, 1.3), atol=2e-3)
+
+
+@dataclass(frozen=True)
+class Narrow(Process):
+    """A process with a parameter that may hardly change."""
+
+    width: float = 1.0
+    reads, writes, keeps = (), ("width",), ("width",)
+
+    def __post_init__(self):
+        if abs(self.width - 1.0) > 1e-9:
+            raise ValueError(f"width={self.width} must be 1.")
+
+    def on(self, body):
+        return OnBody()
+
+
+class OnBody(Evolution):
+    def start(self, state, seed):
+        return {"width": np.ones(1)}
+
+    def advance(self, before, now, dt):
+        return {"width": np.ones(1)}
+
+
+def test_a_parameter_between_two_near_limits_is_refused_by_name():
+    result = simulate(elastic_scene(Narrow(), TangentialGrowth(cortex=1.2)))
+    assert "Narrow.width" not in numbers_of(result.scene)
+    with pytest.raises(ValueError, match=r"Narrow\.width is 1\.0, and its part takes no values up to 0\.002"):
+        sensitivity(result, to=("Narrow.width",))
+
+
+def test_a_range_is_at_most_the_parameter_itself_and_none_where_nothing_is_admissible(monkeypatch, at_limit):
+    name, asked = "Imperfection.amplitude", []
+
+    def missed(problem, state, change, *others):
+        asked.append(change)
+
+    monkeypatch.setattr(validity, "_missed", missed)
+    assert sensitivity(at_limit, to=(name,)).ranges[0] == 0.0
+    assert min(asked) < 0 < max(asked)
+    assert np.abs(asked).max() <= 0.3
+    monkeypatch.setattr(validity, "_missed", lambda *others: 0.0)  # as linear as can be
+    assert sensitivity(at_limit, to=(name,)).ranges[0] == 1.0
+
+
+@pytest.fixture(scope="module", params=["whole", "half", "closed"])
+def grown(request):
+    body = semicircle(radius=1.0, thickness=0.25, elements=2)
+    if request.param == "closed":
+        turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+        body = outline(np.stack([1.2 * np.cos(turn), np.sin(turn)], axis=1), thickness=0.25, elements=2)
+    growth = GrowthMap(cortex=(1.1, 2.2, 1.1, 2.2), places=(0.05, 0.2, 0.35, 0.5))
+    scene = Scene(
+        body=half(body) if request.param == "half" else body, processes=(growth,),
+        terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),), stepping=Stepping(first=0.25, largest=0.25),
+    )  # fmt: skip
+    return simulate(scene)
+
+
+def test_the_known_derivatives_of_lengths_are_those_by_differences(grown):
+    names, measures = ("GrowthMap.cortex.1", "GrowthMap.cortex.2"), ("perimeter", "gyrification_index")
+    own = sensitivity(grown, to=names, of=measures)
+    assert own.numbers[1] > 1.0002, "the surface is to have a hollow"
+    assert not own.jumps.any()
+
+    def wrapped(k):
+        def measure(points):
+            return measures_of(grown, measures)[measures[k]](points)
+
+        measure.__name__ = f"by differences {k}"
+        return measure
+
+    by_differences = [
+        made(grown, to=names, of=[wrapped(0), wrapped(1)]) for made in (sensitivity, adjoint_sensitivity)
+    ]
+    scale = np.abs(own.derivatives).max(1, keepdims=True)
+    for other in by_differences:
+        np.testing.assert_allclose(other.derivatives / scale, own.derivatives / scale, atol=1e-6)
+    assert by_differences[0].jumps.max() < 1e-5 * scale.max()
+    assert by_differences[1].jumps.max() < 1e-5
+    known = adjoint_sensitivity(grown, to=names, of=measures)
+    np.testing.assert_allclose(known.derivatives / scale, own.derivatives / scale, atol=1e-6)
+
+
+def test_a_function_of_ones_own_is_not_taken_for_the_measure_of_its_name(grown):
+    def perimeter(points):
+        return 2.0 * float(points[1].max())
+
+    def other(points):
+        return 2.0 * float(points[1].max())
+
+    name = ("GrowthMap.cortex.1",)
+    one, two = (sensitivity(grown, to=name, of=[measure]).derivatives for measure in (perimeter, other))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_a_kink_in_a_measure_is_told(grown):
+    pial = grown.pial()
+    k = int(np.argmax(pial[1]))
+
+    def away(points):
+        return abs(float(points[1, k] - pial[1, k]))
+
+    def height(points):
+        return float(points[1, k])
+
+    name = ("GrowthMap.cortex.2",)
+    found = sensitivity(grown, to=name, of=[away, height])
+    assert found.derivatives[0, 0] == pytest.approx(0.0, abs=1e-6)
+    assert found.jumps[0, 0] == pytest.approx(abs(found.derivatives[1, 0]), rel=1e-4)
+    assert found.jumps[1, 0] < 1e-6 * abs(found.derivatives[1, 0])
+    assert "away jumps or has a kink here" in found.text()
+    assert "height jumps" not in found.text()
+    adjoint = adjoint_sensitivity(grown, to=name, of=[away, height])
+    assert adjoint.jumps[0] > 1
+    assert adjoint.jumps[1] < 1e-6
+
+
+def test_the_energy_of_several_pial_parts_has_derivatives_and_lengths_of_them_are_refused():
+    turn = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    rings = [0.02 * np.stack([np.cos(turn) + side, np.sin(turn)], axis=1) for side in (-1.25, 1.25)]
+    body = outline(rings, thickness=4e-3, elements=2)
+
+    def scene(cortex):
+        term = Elastic(gray=NeoHookean(mu=400.0, kappa=2000.0))
+        steps = Stepping(first=0.5, largest=0.5, tolerance=1e-11)
+        return Scene(body=body, terms=(term,), processes=(TangentialGrowth(cortex=cortex),), stepping=steps)
+
+    result, name = simulate(scene(1.1)), ("TangentialGrowth.cortex",)
+    up, down = (simulate(scene(1.1 + h)).summary()["energy"] for h in (1e-4, -1e-4))
+    for found in (made(result, to=name, of=("energy",)) for made in (sensitivity, adjoint_sensitivity)):
+        assert found.derivatives[0, 0] == pytest.approx((up - down) / 2e-4, rel=1e-5)
+    with pytest.raises(ValueError, match=r"2 parts, and measures are of one; of=\('energy',\)"):
+        sensitivity(result, to=name)
+    with pytest.raises(ValueError, match="2 parts; a fit compares one outline with one"):
+        fit(scene(1.1), {1.0: rings[0].T}, name)
+
+
+def test_landmarks_of_half_a_body_whose_pial_surface_starts_on_the_mirror():
+    upright = semicircle(radius=1.0, thickness=0.25, elements=2)
+    mesh = upright.mesh
+    turned = MeshTri2(-mesh.doflocs, mesh.t, _boundaries=mesh.boundaries, _subdomains=mesh.subdomains)
+    body = half(replace(upright, mesh=turned))
+    start = body.nodes[:, body.pial[0]]
+    np.testing.assert_allclose(start, (0.0, -1.0), atol=1e-12)
+    marks = landmarks_of(body, 1.0, [(0.0, (0, 0)), (0.25, (0, 0)), (0.75, (0, 0))])
+    places = marks.apart(np.zeros(body.nodes.size))
+    corner = np.sqrt(0.5)
+    np.testing.assert_allclose(places, [[0, corner, -corner], [-1, -corner, -corner]], atol=1e-3)
+
+
+def test_standard_errors_are_those_of_repeated_fits():
+    random = np.random.default_rng(0)
+    jacobian = random.standard_normal((60, 3)) * (1.0, 10.0, 0.1)
+    spread = np.where(np.arange(60) < 20, 3.0, 0.5)
+    errors = random.standard_normal((60, 20000)) * spread[:, None]
+    repeated = np.linalg.lstsq(jacobian, errors, rcond=None)[0].std(axis=1)
+    found = told(jacobian, spread)
+    np.testing.assert_allclose(found.deviations, repeated, rtol=0.02)
+    assert found.distinct == 3
+    same = told(np.column_stack([jacobian, jacobian[:, 0]]), spread)
+    assert same.distinct == 3
+    assert np.isinf(same.deviations).tolist() == [True, False, False, True]
+    np.testing.assert_allclose(np.abs(same.flat[0]), (np.sqrt(0.5), 0, 0, np.sqrt(0.5)), atol=1e-10)
+
+
+def test_the_noise_is_that_of_landmarks_and_outlines_together():
+    """Points with a deviation of 0.3, 50 and 100 on outlines, 8 coordinates of landmarks, no parameters."""
+    noise, points = 0.3, np.array([50, 100])
+    outlines = 0.875 * noise**2 * np.ones(2)  # of a spline through them: 7/8 of their variance
+    landmarks = np.array([8 * noise**2 / 50, 0.0])
+    assert noise_of(outlines, landmarks, points, 8, 0) == pytest.approx(noise * np.sqrt(158 / 158))
+
+
+def mapped(values):
+    body = half(semicircle(radius=1.0, thickness=0.25, elements=2))
+    return Scene(
+        body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),),
+        processes=(GrowthMap(cortex=values, places=(0.0, 0.25, 0.5)),),
+        stepping=Stepping(first=0.25, largest=0.25),
+    )  # fmt: skip
+
+
+NAMES = tuple(f"GrowthMap.cortex.{k}" for k in range(3))
+
+
+def test_the_misfit_that_is_told_is_that_of_the_outlines_alone(tmp_path):
+    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
+    seen = []
+    found = fit(
+        mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES, bounds=(1.0, 1.6), out=tmp_path, smoothness=0.1,
+        landmarks={1.0: 40 * [(0.25, (0.5, 1.0))]}, progress=seen.append,
+    )  # fmt: skip
+    stored = json.loads((tmp_path / "fit.json").read_text())
+    assert stored["misfit"] == pytest.approx(found.misfits[1.0], rel=1e-6)
+    assert seen[-1] == pytest.approx(found.misfits[1.0], rel=1e-6)
+    assert stored["smoothness"] == found.smoothness == 0.1
+
+
+def test_the_smoothness_that_is_chosen_is_the_one_stored(tmp_path):
+    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
+    noisy = pial + 2e-3 * np.random.default_rng(3).standard_normal(pial.shape)
+    noisy[0, [0, -1]], noisy[1, [0, -1]] = pial[0, [0, -1]], pial[1, [0, -1]]
+    found = fit(mapped((1.2, 1.2, 1.2)), {1.0: noisy}, NAMES, smoothness="auto", out=tmp_path)
+    stored = json.loads((tmp_path / "fit.json").read_text())
+    assert stored["smoothness"] == found.smoothness > 1e-4  # not the last one that was tried
+    assert list(stored["parameters"].values()) == found.values.tolist()
+
+
+def test_the_equilibria_of_the_best_values_are_kept():
+    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
+    body = mapped((1.0, 1.0, 1.0)).body
+    surface = along_pial(body, body.nodes[:, body.pial])
+    assert surface.shape == pial.shape
+    problem = fitting._Inverse(
+        mapped((1.1, 1.3, 1.1)), NAMES, {1.0: pial}, {1.0: pial.shape[1]}, {}, 0.0, None, None
+    )
+    best, other = np.array([1.1, 1.3, 1.12]), np.array([1.2, 1.2, 1.1])
+    problem.residuals(best)
+    expected = problem.jacobian(best)
+    problem.residuals(other)
+    solves = problem.solves
+    np.testing.assert_allclose(problem.jacobian(best), expected, rtol=1e-12, atol=1e-12)
+    assert problem.solves == solves
+    problem.scene = replace(problem.scene, stepping=replace(problem.scene.stepping, iterations=1))
+    with pytest.raises(NotConvergedError, match="not found again"):
+        problem.jacobian(np.array([1.5, 1.0, 1.5]))
+
+
+def test_what_is_wrong_with_a_target_names_it():
+    with pytest.raises(ValueError, match=r"targets\[1\]: points has 3 points"):
+        fit(mapped((1.2, 1.2, 1.2)), {1.0: [[1.0, 0.0, -1.0], [0.0, 1.0, 0.0]]}, NAMES)
