@@ -50,6 +50,31 @@ def test_a_map_is_found_again_and_run_and_stored(target, tmp_path, capsys):
     assert (folder / "map-fit.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_landmarks_of_a_file_count_too(target, tmp_path, capsys):
+    result = load("hidden/map/only")
+    nodes = result.scene.body.pial[[5, 9]]
+    rest = result.scene.body.nodes[:, nodes]
+    there = rest + result.last["displacement"][:, nodes]
+    lines = [f"mark {k}," + ",".join(f"{1e3 * v:.9g}" for v in (*rest[:, k], *there[:, k])) for k in (0, 1)]
+    (tmp_path / "marks.csv").write_text("\n".join(["name,x_a,y_a,x_b,y_b", *lines]) + "\n")
+    words = ["--target", f"1={target}", "--unit", "mm", "--set", "first=1.1", "--set", "last=1.1"]
+    marked = ["--landmarks", "1=marks.csv"]
+    assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, *marked]) == 0
+    with (tmp_path / "results/map-fit/fit.csv").open() as file:
+        values = [float(row["value"]) for row in csv.DictReader(file)]
+    np.testing.assert_allclose(values, (1.2, 1.25, 1.1, 1.2, 1.3), rtol=2e-3)
+    stored = json.loads((tmp_path / "results/map-fit/only/scene.json").read_text())["case"]["command"]
+    assert "--landmarks 1=marks.csv" in stored
+    capsys.readouterr()
+    for text, words_ in (
+        ("name,x,y\n", "first line"),
+        (f"name,x_a,y_a,x_b,y_b\na,{9e3},0,1,1\n", "pial surface"),
+    ):
+        (tmp_path / "marks.csv").write_text(text)
+        assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, *marked, "--overwrite"]) == 2
+        assert words_ in capsys.readouterr().err
+
+
 def test_a_result_is_a_target_too_and_smoothness_may_be_chosen(target, tmp_path, capsys):
     words = ["--target", "1=hidden/map/only", "--noise", "0.002", "--smoothness", "auto"]
     assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--figure", "mine.svg"]) == 0

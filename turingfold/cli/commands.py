@@ -91,6 +91,7 @@ def _fit(options: argparse.Namespace) -> Answer:
     from .fit import Asked, fitted
 
     own = [word for age, file in options.target for word in ("--target", f"{age}={file}")]
+    own += [word for age, file in options.landmarks for word in ("--landmarks", f"{age}={file}")]
     own += [word for name in options.to for word in ("--to", name)]
     bounds = ":".join(map(repr, options.bounds)) if options.bounds else None
     smoothness = options.smoothness or None
@@ -100,7 +101,7 @@ def _fit(options: argparse.Namespace) -> Answer:
         own += [] if value is None else [f"--{name}", str(value)]
     asked = Asked(
         tuple(options.target), tuple(options.to), options.unit, options.bounds, options.smoothness,
-        options.noise,
+        options.noise, tuple(options.landmarks),
     )  # fmt: skip
     return fitted(_pictured(options, "fit", *own), _running(options), asked)
 

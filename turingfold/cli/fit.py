@@ -12,6 +12,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..figures.style import mark_unfinished
+from ..geometry.units import metres
+from ..morphometry.landmarks import LandmarkTable
 from ..results.document import stored
 from ..results.folder import check_folder
 from ..results.result import Result, load, read_result
@@ -40,7 +42,7 @@ SHOWN = 5  # maps and other parameters in the figure
 
 @dataclass(frozen=True)
 class Asked:
-    """Targets as time and file, and parameters; the rest as in `turingfold.fit`."""
+    """Targets and landmarks as time and file, and parameters; the rest as in `turingfold.fit`."""
 
     targets: tuple[tuple[str, str], ...]
     to: tuple[str, ...]
@@ -48,6 +50,7 @@ class Asked:
     bounds: tuple[float, float] | None = None
     smoothness: float | Literal["auto"] = 0.0
     noise: float | None = None
+    landmarks: tuple[tuple[str, str], ...] = ()
 
 
 def fitted(request: Request, running: Running, asked: Asked) -> Answer:
@@ -69,9 +72,10 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
             f"{base} already holds a fit; go on with it (--resume), replace it (--overwrite), or choose "
             "another folder (--out DIR)."
         )
+    marks = {_time(time): _landmarks(Path(file), asked.unit) for time, file in asked.landmarks}
     found = fit(
         one.scene, targets, to, bounds=asked.bounds, smoothness=asked.smoothness, noise=asked.noise, out=base,
-        resume=running.resume, progress=_misfits(running.telling),
+        resume=running.resume, progress=_misfits(running.telling), landmarks=marks,
     )  # fmt: skip
     write_table(base / TABLE, COLUMNS, _rows(found, si=is_si(one.scene)))
     say(_told(found))
@@ -168,6 +172,12 @@ def outline(path: Path, unit: str | None, known: tuple[Any, ...]) -> Array:
 
     read = read_outline(path, unit=unit)
     return read.single() if read.unit is not None else read_outline(path, unit=1.0).single()
+
+
+def _landmarks(path: Path, unit: str | None) -> list[tuple[Any, Any]]:
+    """Return landmarks as `fit` takes them: places on the undeformed surface and points, m."""
+    places = LandmarkTable.read(path).places * metres(unit or "m")
+    return [(tuple(place), tuple(point)) for place, point in places.tolist()]
 
 
 def _time(text: str) -> float:

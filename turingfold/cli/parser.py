@@ -86,6 +86,10 @@ def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
         "--to", action="append", default=[], metavar="PARAMETER", required=True,
         help="such as TangentialGrowth.cortex, or GrowthMap.cortex for all its places; may be repeated",
     )  # fmt: skip
+    fit.add_argument(
+        "--landmarks", action="append", default=[], type=assignment, metavar="TIME=FILE",
+        help="points at a target's time: CSV with name, x_a, y_a (on the undeformed one), x_b, y_b",
+    )  # fmt: skip
     fit.add_argument("--unit", metavar="UNIT", help="of the files, such as mm, where they state none (m)")
     fit.add_argument("--bounds", type=span, metavar="LOW:HIGH", help="of all parameters")
     fit.add_argument(
