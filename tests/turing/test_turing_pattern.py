@@ -19,7 +19,7 @@ from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.testing import advanced
 from turingfold.turing.eigenvalues import rightmost_eigenvalues
-from turingfold.turing.kinetics.activator_inhibitor import FitzHughNagumo
+from turingfold.turing.kinetics.activator_inhibitor import FitzHughNagumo, GiererMeinhardt
 from turingfold.turing.kinetics.bvam import BVAM
 from turingfold.turing.kinetics.chemical import Brusselator, GrayScott, Schnakenberg, Thomas
 from turingfold.turing.modes import (
@@ -33,6 +33,7 @@ from turingfold.turing.process import Turing, mirrored
 from turingfold.turing.reaction_diffusion import ReactionDiffusion, discretise
 from turingfold.turing.stability import conditions
 from turingfold.turing.steady import newton, settle
+from turingfold.verification.atlas.patterns import faults
 
 THICKNESS = 2.5e-3
 
@@ -298,6 +299,13 @@ def test_a_run_cut_short_is_an_error_that_says_when():
 def test_spots_of_bvam_never_settle_and_the_error_says_so():
     with pytest.raises(NotConvergedError, match="no stable steady state was reached by time"):
         Turing(BVAM(r1=0.02, r2=0.2), half_waves=16).pattern(body())
+
+
+def test_a_pattern_that_stands_though_it_is_unstable_is_left():
+    """Long steps damp what grows beside it: a run would stand there for ever."""
+    where = semiellipse(width=2.0, height=0.857, thickness=0.133, elements=1, base="free")
+    found = Turing(GiererMeinhardt(), half_waves=8).pattern(where)
+    assert faults(where, found, 8) == []
 
 
 def test_newton_that_fails_is_an_error():

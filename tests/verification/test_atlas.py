@@ -7,12 +7,26 @@ import numpy as np
 import pytest
 from small import elastic_scene
 
-from turingfold import Drag, Elastic, NeoHookean, Schnakenberg, SelfContact, Turing, semicircle, simulate
+from turingfold import (
+    Drag,
+    Elastic,
+    Imperfection,
+    Inertia,
+    NeoHookean,
+    Schnakenberg,
+    SelfContact,
+    Stepping,
+    TangentialGrowth,
+    Turing,
+    outline,
+    semicircle,
+    simulate,
+)
 from turingfold.cli.main import main
-from turingfold.verification.atlas import patterns
+from turingfold.verification.atlas import families, patterns
 from turingfold.verification.atlas.cells import drawn, scene
 from turingfold.verification.atlas.judge import crosses, faults, least_determinant, residual
-from turingfold.verification.atlas.run import judged
+from turingfold.verification.atlas.run import FORBIDDEN, judged
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +83,31 @@ def test_a_boundary_that_crosses_itself_is_found(result):
     assert crosses(body, places)
 
 
+def test_walls_that_cross_another_wall_are_found():
+    angle = 2 * np.pi * np.arange(60) / 60
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    ring = outline(circle, thickness=0.2, size=0.2, holes=(0.4 * circle,))
+    assert not crosses(ring, ring.nodes)
+    places = ring.nodes.copy()
+    places[0, np.hypot(*places) < 0.45] += 0.65  # the hole's wall, whole, through the pial surface
+    assert crosses(ring, places)
+
+
+@pytest.fixture(scope="module")
+def moving():
+    """Return a result of the midpoint rule, with noise of the moduli and growth."""
+    made = elastic_scene(TangentialGrowth(cortex=1.3), Imperfection(of="moduli", amplitude=0.1))
+    stepping = Stepping(first=0.1, largest=0.2, scheme="midpoint")
+    return simulate(replace(made, terms=(*made.terms, Inertia(density=1e-3)), stepping=stepping))
+
+
+def test_forces_in_the_middle_of_a_step_are_judged_there(moving):
+    assert residual(moving) < 1e-7
+    assert residual(changed(moving, growth=1.0001 * moving.last["growth"])) > 1e-5
+    factor = moving.last["modulus_factor"] * (1 + 1e-4 * (moving.scene.body.in_cortex))
+    assert residual(changed(moving, modulus_factor=factor)) > 1e-5
+
+
 def test_what_is_not_finite_is_found(result):
     moved = result.last["displacement"].copy()
     moved[0, 5] = np.nan
@@ -104,7 +143,38 @@ def test_a_uniform_state_that_is_unstable_is_found(pattern):
 def test_cells_are_drawn_the_same_again():
     assert drawn("mechanics", 7, 1) == drawn("mechanics", 7, 1)
     assert drawn("mechanics", 7, 1) != drawn("mechanics", 7, 2) != drawn("mechanics", 8, 2)
-    assert scene(drawn("mechanics", 1, 0), 5.0).stepping.seconds == 5.0
+    assert scene("mechanics", drawn("mechanics", 1, 0), 5.0).stepping.seconds == 5.0
+
+
+def test_a_scene_of_a_family_is_of_its_kind():
+    at_rest, in_motion, far = (drawn(family, 3, 0) for family in ("ordinary", "dynamic", "extreme"))
+    assert at_rest["moving"] == "none"
+    assert in_motion["moving"] != "none"
+    assert {drawn("stepping", number, 0)["allowed"] for number in range(12)} > {1, 300}
+    assert far["unit"] in (1e-9, 1e-3, 1.0, 1e3)
+    assert scene("dynamic", in_motion, 5.0).stepping.seconds == 5.0
+
+
+FAST = {"ordinary": (6, 8), "dynamic": (36, 37), "stepping": (5,), "extreme": (0, 4)}
+
+
+@pytest.mark.parametrize(("family", "number"), [(own, k) for own, seeds in FAST.items() for k in seeds])
+def test_scenes_of_a_family_end_well(family, number):
+    check(judged(family, number, 0, 60.0), family)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(1000, 1012))
+@pytest.mark.parametrize("family", families.FAMILIES)
+def test_more_scenes_of_a_family_end_well(family, number):
+    check(judged(family, number, 0, 120.0), family)
+
+
+def check(row, family):
+    """Hold an outcome to what is allowed, and ordinary and dynamic scenes to their end."""
+    assert row["outcome"] not in FORBIDDEN, row["reason"]
+    if family in ("ordinary", "dynamic"):
+        assert row["outcome"] == "valid", row["reason"]
 
 
 def test_a_cell_without_time_stops_with_its_reason():
@@ -116,6 +186,7 @@ def test_a_cell_without_time_stops_with_its_reason():
 @pytest.mark.slow
 def test_the_command_goes_on_with_its_tables(tmp_path, capsys):
     words = ["atlas", "--out", str(tmp_path), "--mechanics", "2", "--patterns", "2", "--marches", "1"]
+    words += ["--ordinary", "1", "--dynamic", "1", "--stepping", "1", "--extreme", "1"]
     assert main([*words, "--seconds", "60", "-j", "2"]) == 0
     assert "mechanics: 2 cells: 2 valid" in capsys.readouterr().out
     assert (tmp_path / "atlas.png").read_bytes().startswith(b"\x89PNG")

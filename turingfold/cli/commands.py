@@ -169,9 +169,11 @@ def _verify(options: argparse.Namespace) -> Answer:
 
 
 def _atlas(options: argparse.Namespace) -> Answer:
+    from ..verification.atlas.families import FAMILIES
     from .atlas import atlas
 
     counts = {"mechanics": options.mechanics, "pattern": options.patterns, "march": options.marches}
+    counts |= {family: getattr(options, family) for family in FAMILIES}
     how = {"seed": options.seed, "seconds": options.seconds, "jobs": options.jobs}
     return atlas(options.out, counts, **how, telling=_telling(options))
 

@@ -256,7 +256,9 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     for word, count, said in (
         ("mechanics", 300, "folding scenes"), ("patterns", 120, "steady patterns"),
-        ("marches", 60, "patterns in time"),
+        ("marches", 60, "patterns in time"), ("ordinary", 51, "scenes inside the ranges of use"),
+        ("dynamic", 44, "such with inertia or drag"), ("stepping", 34, "such with odd steps and tolerances"),
+        ("extreme", 211, "scenes far outside"),
     ):  # fmt: skip
         atlas.add_argument(f"--{word}", type=natural, default=count, metavar="N", help=f"{said} ({count})")
     atlas.add_argument("--seed", type=natural, default=0, metavar="N", help="of what is drawn (0)")

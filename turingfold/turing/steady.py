@@ -14,6 +14,13 @@ from .eigenvalues import eigenvalue_near, eigenvalue_right, rightmost_eigenvalue
 from .integrators.rosenbrock import march
 from .reaction_diffusion import ReactionDiffusion
 
+STANDS = 1e-12  # relative rate below which a state stands, also one that is unstable
+PUSH, PUSHES, POWERS = (
+    0.02,
+    3,
+    8,
+)  # away from it: share of the pattern's height, how often; iterations for its mode
+
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
@@ -109,33 +116,55 @@ def settle(
     deadline: of `time.perf_counter`.  least: heights, (2,), below which nothing is left of a pattern.
     Raises NotConvergedError if nothing stable is reached by then, or nothing is left.
     """
-    still_below, leading, moment = 1e-3, complex(math.nan), None
-    for moment in march(system, start, until=until, tolerance=tolerance):
-        check_deadline(deadline, moment.time)
-        if (np.ptp(moment.state, axis=1) < least).all():
-            raise NotConvergedError(
-                f"nothing is left of the disturbance at time {moment.time:.6g}: make it stronger or "
-                "wider, or take diffusivities for which a pattern exists.",
-                time=moment.time,
-            )
-        if relative_rate(system, moment.state) < still_below:
-            still_below *= 0.1  # a state at rest may be unstable: then run on until it moves ten times less
-            try:
-                state, residual, iterations = newton(system, moment.state)
-            except NotConvergedError:
-                continue
-            eigenvalues = rightmost_eigenvalues(system, state, tolerated)
-            leading = complex(eigenvalues[0])
-            if leading.real < tolerated:
-                return SteadyState(state, residual, eigenvalues, moment.time, moment.steps, iterations)
-        if moment.steps >= steps or still_below < 1e-12:
+    leading, time, taken = complex(math.nan), 0.0, 0
+    for _ in range(PUSHES + 1):
+        still_below, moment, state = 1e-3, None, start
+        for moment in march(system, start, until=until - time, tolerance=tolerance):
+            spent = time + moment.time, taken + moment.steps
+            check_deadline(deadline, spent[0])
+            if (np.ptp(moment.state, axis=1) < least).all():
+                raise NotConvergedError(
+                    f"nothing is left of the disturbance at time {spent[0]:.6g}: make it stronger or wider, "
+                    "or take diffusivities for which a pattern exists.",
+                    time=spent[0],
+                )
+            if relative_rate(system, moment.state) < still_below:
+                still_below *= (
+                    0.1  # a state at rest may be unstable: then run on until it moves ten times less
+                )
+                try:
+                    state, residual, iterations = newton(system, moment.state)
+                except NotConvergedError:
+                    continue
+                eigenvalues = rightmost_eigenvalues(system, state, tolerated)
+                leading = complex(eigenvalues[0])
+                if leading.real < tolerated:
+                    return SteadyState(state, residual, eigenvalues, *spent, iterations)
+            if spent[1] >= steps or still_below < STANDS:
+                break
+        time, taken = spent if moment else (time, taken)
+        if still_below >= STANDS or not leading.real > 0:
             break
-    time = moment.time if moment else 0.0
+        start = _beside(system, state, leading)  # long steps damp what grows there: it would stand for ever
     raise NotConvergedError(
         f"no stable steady state was reached by time {time:.6g} {_reason(leading)}; run longer, start from "
         "another state, or expect a pattern that never rests.",
         time=time,
     )
+
+
+def _beside(system: ReactionDiffusion, state: Array, leading: complex) -> Array:
+    """Return a state beside an unstable steady one, along what grows there."""
+    solve = system.solver(state, 1.1 * abs(leading))
+    mode = 1 + np.cos(np.arange(state.size)).reshape(state.shape)  # the same in every run
+    for _ in range(POWERS):
+        mode = solve(system.times_mass(mode))
+        mode /= np.abs(mode).max()
+    size = np.maximum(np.ptp(state, axis=1), 0.1 * np.abs(state).max(axis=1))[:, None]
+    push = PUSH * mode / (np.abs(mode) / size).max()
+    if system.kinetics.non_negative:
+        push *= min(1.0, 0.5 * float((state / np.maximum(np.abs(push), np.finfo(float).tiny)).min()))
+    return np.asarray(state + push)
 
 
 def check_deadline(deadline: float, time: float) -> None:

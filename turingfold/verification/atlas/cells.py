@@ -18,9 +18,10 @@ from ...terms.elastic.material import NeoHookean
 from ...terms.elastic.term import Elastic
 from ...terms.tension import AxonalTension
 from ...turing.kinetics.named import KINETICS
+from . import families
 
 Cell = dict[str, Any]
-KINDS = ("mechanics", "pattern", "march")
+KINDS = ("mechanics", "pattern", "march", *families.FAMILIES)
 OFF, DRAG, INERTIA = "off", "drag", "inertia"
 
 
@@ -30,6 +31,8 @@ def drawn(kind: str, number: int, seed: int) -> Cell:
     Lengths are in units of the radius, moduli in those of white matter, times in shear-wave times of a body.
     """
     random = np.random.default_rng([seed, KINDS.index(kind), number])
+    if kind in families.FAMILIES:
+        return families.drawn(random, kind)
     choose, between = random.choice, random.uniform
     if kind == "mechanics":
         return {
@@ -65,8 +68,10 @@ def drawn(kind: str, number: int, seed: int) -> Cell:
     }
 
 
-def scene(cell: Mapping[str, Any], seconds: float) -> Scene:
-    """Return the scene of a cell of the kind "mechanics"."""
+def scene(kind: str, cell: Mapping[str, Any], seconds: float) -> Scene:
+    """Return the scene of a cell of the kind "mechanics" or of a family."""
+    if kind in families.FAMILIES:
+        return families.scene(cell, seconds)
     body = semicircle(
         radius=1.0, thickness=cell["thickness"], elements=cell["elements"], base=cell["base"],
         layers=cell["layers"],

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .families import FAMILIES
 from .run import FORBIDDEN, OUTCOMES, REFUSED, STOPPED, TOLD, VALID, Row
 
 if TYPE_CHECKING:
@@ -19,10 +20,10 @@ MARKS = {VALID: "o", TOLD: "s", STOPPED: "^", REFUSED: "x"}
 
 
 def draw(figure: Figure, rows: Mapping[str, Sequence[Row]]) -> None:
-    """Draw mechanics, patterns, runs in time and effort."""
-    figure.set_size_inches(12, 9)
-    panels = figure.subplots(2, 2)
-    (growth, shape), (patterns, effort) = panels
+    """Draw mechanics, patterns, runs in time, effort, and the families of scenes."""
+    figure.set_size_inches(12, 12)
+    panels = figure.subplot_mosaic([["a", "b"], ["c", "d"], ["e", "e"]], height_ratios=[3, 3, 2])
+    growth, shape, patterns, effort, families = panels.values()
     solid = rows["mechanics"]
     ratio = [float(row["cortex"]) / float(row["core"]) for row in solid]
     _points(growth, solid, ratio, [float(row["ratio"]) for row in solid])
@@ -44,13 +45,24 @@ def draw(figure: Figure, rows: Mapping[str, Sequence[Row]]) -> None:
     took = [row for row in solid if row["iterations"]]
     _points(effort, took, [float(row["iterations"]) for row in took], [float(row["seconds"]) for row in took])
     effort.set(xscale="log", yscale="log", xlabel="Newton iterations", ylabel="run time with its check (s)")
-    both = _title("patterns (steady above)", chemical)
-    titles = _title("mechanics", solid), "the same cells", both, "effort, mechanics"
-    for letter, title, axes in zip("abcd", titles, panels.flat, strict=True):
+    drawn = [(row, number) for number, family in enumerate(FAMILIES) for row in rows[family]]
+    whole = [row for row, _ in drawn]
+    spread = np.random.default_rng(0).uniform(-0.3, 0.3, len(drawn))
+    places = [number + s for (_, number), s in zip(drawn, spread, strict=True)]
+    _points(families, whole, [max(float(row["seconds"]), 0.02) for row in whole], places)
+    families.set(xscale="log", xlabel="run time with its check (s)")
+    families.set_yticks(range(len(FAMILIES)), [f"{family}, {len(rows[family])}" for family in FAMILIES])
+    families.invert_yaxis()
+    titles = (
+        _title("mechanics", solid), "the same cells", _title("patterns (steady above)", chemical),
+        "effort, mechanics", _title("families of scenes", whole),
+    )  # fmt: skip
+    for (letter, axes), title in zip(panels.items(), titles, strict=True):
         axes.set_title(f"$\\bf{{{letter}}}$   {title}", loc="left", fontsize=10)
         axes.grid(alpha=0.25)
     handles = dict(zip(*reversed(growth.get_legend_handles_labels()), strict=True))
-    handles |= dict(zip(*reversed(patterns.get_legend_handles_labels()), strict=True))
+    for axes in (patterns, families):
+        handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     figure.legend(
         handles.values(), handles.keys(), loc="outside lower center", ncols=len(handles), frameon=False
     )

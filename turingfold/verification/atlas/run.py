@@ -49,14 +49,14 @@ def judged(kind: str, number: int, seed: int, seconds: float) -> Row:
 
 
 def _became(kind: str, cell: Mapping[str, Any], seconds: float) -> tuple[str, str, Mapping[str, float]]:
-    if kind != "mechanics":
+    if kind in ("pattern", "march"):
         from . import patterns
 
         found, effort = (patterns.steady if kind == "pattern" else patterns.marched)(cell, seconds)
         return LIE if found else VALID, "; ".join(found), effort
     from .judge import faults
 
-    result = simulate(scene(cell, seconds))
+    result = simulate(scene(kind, cell, seconds))
     effort = _effort(result.summary())
     if not result.converged:
         return TOLD, result.message, effort
