@@ -5,9 +5,22 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import j0, j1, jn_zeros
 
-from turingfold import Elastic, Ellipse, NeoHookean, Scene, Stepping, Swelling, outline, semicircle, simulate
+from turingfold import (
+    Elastic,
+    Ellipse,
+    NeoHookean,
+    Scene,
+    Stepping,
+    Swelling,
+    half,
+    human,
+    outline,
+    semicircle,
+    simulate,
+)
 from turingfold.geometry.body import Body
 from turingfold.geometry.layers import cortex_indicator
+from turingfold.geometry.refinement import refined
 from turingfold.growth.diffusion import Diffusion
 from turingfold.growth.histories import Exponential
 from turingfold.state import State
@@ -169,3 +182,14 @@ def test_bad_swelling_is_refused_by_name(body):
     far = Ellipse(centre=(5.0, 0.0), semi_axes=(1.0, 1.0), edge=0.1)
     with pytest.raises(ValueError, match="lies outside the body"):
         Swelling(coefficient=0.1, zone=far).on(body)
+
+
+def test_the_core_of_a_brain_is_fine_enough_for_where_its_swelling_sets_in():
+    """Over an eighth of the radius: elements of a fifth of it left 4 per cent of the energy."""
+    body = half(semicircle(radius=0.0404, thickness=2.5e-3, elements=6))
+
+    def energy(on):
+        grow = human.growth(body, cortex=1.0)
+        return simulate(Scene(body=on, terms=(human.tissue(),), processes=grow)).summary()["energy"]
+
+    assert energy(body) == pytest.approx(energy(refined(body, 2)), rel=0.01)

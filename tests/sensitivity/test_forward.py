@@ -36,7 +36,9 @@ PARAMETERS = (
 @pytest.fixture(scope="module")
 def result():
     made = folding_scene()
-    processes = (*made.processes, Imperfection(amplitude=0.02))
+    pattern, _ = made.processes
+    # at 2.0 a wall snaps where the core grows by 9 % more, which no derivative foresees
+    processes = (pattern, TangentialGrowth(cortex=2.1), Imperfection(amplitude=0.02))
     steps = replace(made.stepping, tolerance=1e-10)
     found = simulate(replace(made, processes=processes, stepping=steps))
     assert found.summary()["folds"] >= 3

@@ -19,6 +19,7 @@ from .triangles import straight_mesh
 
 MOST = 2e6  # triangles in the cortex
 LARGEST = 5.0  # m, half a body; models in units of their own have a radius of about 1
+CORE, COARSEST = 0.1, 0.2  # of the core's radius: how large its elements may be, that of a coarse cortex too
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
@@ -30,7 +31,8 @@ def semicircle(
 
     radius and thickness (of the cortex) in m; size: element edge in the cortex, m, or elements: their number
     through the cortex; base "clamped", "roller" or "free"; layers "sharp" or "sigmoid", see `Body`;
-    coarsening: growth of the element size from ring to ring below the cortex.
+    coarsening: growth of the element size from ring to ring below the cortex, to a tenth of the core's
+    radius, or to that in the cortex, but not beyond a fifth.
     """
     positive("radius", radius)
     return semiellipse(
@@ -131,8 +133,9 @@ def _quarter_mesh(a: float, b: float, thickness: float, size: float, coarsening:
 
     mean_radius = 0.5 * (a + b) - thickness
     share, step, count = 1.0, max(size, arc / around) / mean_radius, around
+    coarsest = min(max(CORE, step), COARSEST)
     while count > 2:
-        step = min(step * coarsening, 0.2)
+        step = min(step * coarsening, coarsest)
         share -= step
         fitting = round(around * share * (size / mean_radius) / step) if share > 0.6 * step else 0
         if fitting < 2:
