@@ -53,11 +53,17 @@ def faults(result: Result) -> list[str]:
 def least_determinant(body: Body, state: State) -> float:
     """Return the least det ∂x/∂X at the lattice of all elements, its sign that of det F* where growth is."""
     steps = [(i / LATTICE, j / LATTICE) for i in range(LATTICE + 1) for j in range(LATTICE + 1 - i)]
-    slopes = _slopes(*np.array(steps).T)
+    points = np.array(steps).T
+    slopes = _slopes(*points)
     before, after = (
-        _determinant(np.einsum("iae,ajp->ijpe", (body.nodes + u)[:, body.triangles], slopes))
+        np.einsum("iae,ajp->ijpe", (body.nodes + u)[:, body.triangles], slopes)
         for u in (0.0, state["displacement"])
     )
+    if "bubble" in state:  # of mixed elements, 27 x y (1 - x - y)
+        x, y = points
+        bulge = 27 * np.stack([y * (1 - 2 * x - y), x * (1 - x - 2 * y)])
+        after = after + np.einsum("ie,jp->ijpe", state["bubble"], bulge)
+    before, after = _determinant(before), _determinant(after)
     least = float((after / before).min())
     grown = float(state["growth"].min()) if "growth" in state else 1.0
     return min(least, grown) if before.min() > 0 else -1.0
