@@ -41,3 +41,27 @@ def test_a_middle_node_may_come_as_near_to_a_corner_as_a_quarter_of_the_edge(fra
     bottom = int(np.flatnonzero((nodes == [[0.5], [0.0]]).all(0))[0])
     nodes[0, bottom] = fraction
     assert folded_over(mesh, nodes).size == (fraction < 0.25)
+
+
+def test_a_triangle_with_a_bubble_is_folded_over_where_the_bubble_turns_it():
+    """Against the determinant of the deformation, by differences of places on a fine grid."""
+    chance, step, found, by_bubble = np.random.default_rng(1), 1e-6, {True: 0, False: 0}, 0
+
+    def places(mesh, bubble, x, y):
+        return mesh.mapping().F(np.stack([x, y]))[:, 0] + 27 * x * y * (1 - x - y) * bubble
+
+    for _ in range(400):
+        mesh = one_triangle(chance.normal(scale=0.1, size=(2, 6)))
+        bubble = chance.normal(scale=0.1, size=(2, 1))
+        x, y = GRID
+        u = (places(mesh, bubble, x + step, y) - places(mesh, bubble, x - step, y)) / (2 * step)
+        v = (places(mesh, bubble, x, y + step) - places(mesh, bubble, x, y - step)) / (2 * step)
+        least = (u[0] * v[1] - u[1] * v[0]).min()
+        if abs(least) < 5e-3:  # the grid cannot tell
+            continue
+        folded = bool(least < 0)
+        assert folded_over(mesh, mesh.doflocs, bubble).size == folded
+        found[folded] += 1
+        by_bubble += folded and not folded_over(mesh, mesh.doflocs).size
+    assert min(found.values()) > 80
+    assert by_bubble > 30

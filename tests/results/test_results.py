@@ -240,6 +240,16 @@ def test_elements_that_turn_over_beside_the_integration_points_are_counted():
     assert turned.summary()["inverted_elements"] >= 1
 
 
+def test_mixed_elements_that_their_bubbles_turn_over_are_counted():
+    made = elastic_scene()
+    result = simulate(replace(made, terms=(replace(made.terms[0], element="mixed"),)))
+    assert result.summary()["inverted_elements"] == 0
+    bubble = result.last["bubble"].copy()
+    bubble[0, 3] += THICKNESS
+    turned = replace(result, states=(*result.states[:-1], result.last.updated(bubble=bubble)))
+    assert turned.summary()["inverted_elements"] == 1
+
+
 def test_a_coarse_cortex_is_warned_about():
     with pytest.warns(CoarseMeshWarning, match=r"only 1 element\(s\) through the cortex"):
         simulate(elastic_scene())

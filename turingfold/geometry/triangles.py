@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 from skfem import MeshTri1, MeshTri2
 
@@ -43,9 +45,52 @@ ALONG_XI = np.array([(-3, -1, 0, 4, 0, 0), (1, 3, 0, -4, 0, 0), (1, -1, 0, 0, 4,
 ALONG_ETA = np.array([(-3, 0, -1, 0, 0, 4), (1, 0, -1, -4, 4, 0), (1, 0, 3, 0, 0, -4)])
 
 
-def folded_over(mesh: MeshTri2, nodes: Array) -> Integers:
-    """Return the triangles whose Jacobian is not positive everywhere; nodes: (2, n), in the mesh's order."""
-    return turned_over(nodes[:, np.vstack([mesh.t, mesh.nvertices + mesh.t2f])])
+LATTICE = np.array([(4 - i - j, i, j) for i in range(5) for j in range(5 - i)]) / 4  # barycentric, (15, 3)
+POWERS = np.rint(4 * LATTICE).astype(int)
+# of a polynomial of degree four: Bernstein coefficients from its values on the lattice
+COEFFICIENTS = np.linalg.inv(
+    (LATTICE[:, None] ** POWERS).prod(2) * [24 / np.prod([factorial(n) for n in row]) for row in POWERS]
+)
+QUARTERS = 0.5 * np.array([  # of a triangle: corners, (4, 3, 3)
+    [(2, 0, 0), (1, 1, 0), (1, 0, 1)], [(1, 1, 0), (0, 2, 0), (0, 1, 1)],
+    [(1, 0, 1), (0, 1, 1), (0, 0, 2)], [(1, 1, 0), (0, 1, 1), (1, 0, 1)],
+])  # fmt: skip
+HALVINGS = 6
+
+
+def folded_over(mesh: MeshTri2, nodes: Array, bubbles: Array | None = None) -> Integers:
+    """Return the triangles whose Jacobian is not positive everywhere; nodes: (2, n), in the mesh's order.
+
+    bubbles: how far the inside of each triangle bulges by 27 λ₀ λ₁ λ₂ beside, (2, e).
+    """
+    triangles = nodes[:, np.vstack([mesh.t, mesh.nvertices + mesh.t2f])]
+    return turned_over(triangles) if bubbles is None else bulged_over(triangles, bubbles)
+
+
+def bulged_over(triangles: Array, bubbles: Array) -> Integers:
+    """Return which quadratic triangles, (2, 6, e), with bubbles, (2, e), are `turned_over`.
+
+    The Jacobian is of degree four: positive where all its Bernstein coefficients are, on the triangle or on
+    each of its quarters, their quarters and so on; what is not decided after HALVINGS counts as turned over.
+    """
+    corners = ALONG_XI @ triangles, ALONG_ETA @ triangles  # (2, 3, e)
+    left, parts = np.arange(triangles.shape[2]), np.broadcast_to(np.eye(3), (triangles.shape[2], 3, 3))
+    turned: list[Integers] = []
+    for _ in range(HALVINGS):
+        places = LATTICE @ parts  # (n, 15, 3)
+        one, two, three = np.moveaxis(places, 2, 0)
+        bulges = 27 * three * (one - two), 27 * two * (one - three)
+        u, v = (
+            np.einsum("icn,nkc->ink", slopes[:, :, left], places) + bubbles[:, left, None] * bulge
+            for slopes, bulge in zip(corners, bulges, strict=True)
+        )
+        jacobian = u[0] * v[1] - u[1] * v[0]
+        lost = ~(jacobian > 0).all(1)
+        turned.append(left[lost])
+        open_yet = ~lost & ~(jacobian @ COEFFICIENTS.T > 0).all(1) & ~np.isin(left, left[lost])
+        left = np.repeat(left[open_yet], len(QUARTERS))
+        parts = (QUARTERS @ parts[open_yet][:, None]).reshape(-1, 3, 3)
+    return np.unique(np.concatenate([*turned, left]))
 
 
 def turned_over(triangles: Array) -> Integers:

@@ -119,7 +119,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     inner = isinstance(pial, InnerWall)  # which has no closing
     symmetric = mirror_error(rest) <= 1e-9 * body.length
     return {
-        "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
+        "inverted_elements": inverted(body, state),
         "self_intersections": crossings(body, state["displacement"]),
         "gyrification_index": gyrification_index(pial, closed=closed),
         "closed_gyrification_index": (
@@ -147,7 +147,7 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
     parts = _parts(body, state["displacement"])
     folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in _surfaces(parts)]
     return {
-        "inverted_elements": len(folded_over(body.mesh, body.nodes + state["displacement"])),
+        "inverted_elements": inverted(body, state),
         "self_intersections": crossings(body, state["displacement"]),
         "gyrification_index": gyrification(body, state["displacement"]),
         "closed_gyrification_index": None,
@@ -179,6 +179,12 @@ def shape_numbers(body: Body, displacement: Array) -> dict[str, float]:
         "gyrification_index": gyrification(body, displacement),
         "sulcal_depth": _mean_depth(folds),
     }
+
+
+def inverted(body: Body, state: State) -> int:
+    """Return the number of triangles that are turned over somewhere; mixed ones with their bubbles."""
+    moved = body.nodes + state["displacement"]
+    return len(folded_over(body.mesh, moved, state.fields.get("bubble")))
 
 
 def crossings(body: Body, displacement: Array) -> int:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 from ..arrays import Array
 from ..checks import instance, whole
 from ..errors import NotConvergedError, SolveError
-from ..geometry.triangles import folded_over
 from ..growth.ages import ages_of
 from ..growth.measure import largest_growth
 from ..scene import Scene, reached
@@ -22,7 +21,7 @@ from ..solve.problem import Problem
 from ..state import State
 from .document import origin
 from .log import is_due
-from .measures import crossings, gyrification
+from .measures import crossings, gyrification, inverted
 from .result import FilePath, Result, Row, observe
 from .watch import Tracker, watcher
 
@@ -199,7 +198,7 @@ class _Run:
         before, state, body = self.states[-1].time, step.state, self.scene.body
         index = gyrification(body, state["displacement"])
         row = {**step.numbers, "growth": largest_growth(state), "gyrification_index": index}
-        row["inverted_elements"] = len(folded_over(body.mesh, body.nodes + state["displacement"]))
+        row["inverted_elements"] = inverted(body, state)
         row["self_intersections"] = crossings(body, state["displacement"])
         began = perf_counter()
         if self.folder is not None:
