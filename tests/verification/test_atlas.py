@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import replace
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from turingfold.cli.main import main
 from turingfold.verification.atlas import families, patterns
 from turingfold.verification.atlas.cells import drawn, scene
 from turingfold.verification.atlas.judge import crosses, faults, least_determinant, residual
-from turingfold.verification.atlas.run import FORBIDDEN, judged
+from turingfold.verification.atlas.run import FORBIDDEN, _serve, judged
 
 
 @pytest.fixture(scope="module")
@@ -181,6 +182,17 @@ def test_a_cell_without_time_stops_with_its_reason():
     row = judged("mechanics", 1, 0, 1e-3)
     assert row["outcome"] == "stopped"
     assert "time limit" in row["reason"]
+
+
+def test_a_worker_ends_quietly_when_who_asked_is_gone():
+    ours, theirs = get_context("spawn").Pipe()
+    worker = get_context("spawn").Process(target=_serve, args=(theirs,))
+    worker.start()
+    theirs.close()
+    ours.send(("mechanics", 1, 0, 1e-3))  # its answer finds nobody
+    ours.close()
+    worker.join(60)
+    assert worker.exitcode == 0
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import csv
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import connection, get_context
 from pathlib import Path
@@ -169,5 +170,7 @@ def _started() -> _Worker:
 
 
 def _serve(link: connection.Connection) -> None:
-    while True:
-        link.send(judged(*link.recv()))
+    """Judge cells until who asks is gone."""
+    with suppress(EOFError, ConnectionError, KeyboardInterrupt):
+        while True:
+            link.send(judged(*link.recv()))
