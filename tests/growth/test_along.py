@@ -69,10 +69,13 @@ def test_regions_have_the_growth_of_the_nearest_place_and_landmarks_are_joined_l
 def test_shares_of_an_open_surface_count_from_its_right_end_also_in_half_a_body():
     body = semicircle(radius=1.0, thickness=0.2, size=0.1)
     law = GrowthMap(cortex=(1.2, 1.2, 1.8, 1.4), places=(0.0, 0.25, 0.75, 1.0))
-    expected = ([0, 0.25 * np.pi, 0.75 * np.pi, np.pi], [1.2, 1.2, 1.8, 1.4])
-    for each in (body, half(body)):
-        angle, found = tangential(law, each)
-        assert found == pytest.approx(np.interp(angle, *expected), abs=2e-3)
+    even = GrowthMap(cortex=(1.2, 1.7, 1.1, 1.7, 1.2), places=(0.0, 0.25, 0.5, 0.75, 1.0))
+    for each, own in ((body, law), (body, even), (half(body), even)):
+        angle, found = tangential(own, each)
+        known = np.interp(angle, np.pi * np.array(own.places), own.cortex)
+        assert found == pytest.approx(known, abs=2e-3)
+    with pytest.raises(ValueError, match=r"1\.2 at the share 0\.25 and 1\.8 at 0\.75, its image"):
+        tangential(law, half(body))
 
 
 def test_half_a_body_needs_places():

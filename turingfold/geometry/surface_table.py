@@ -20,6 +20,7 @@ from .units import METRES
 
 Places = tuple[float, ...] | tuple[tuple[float, float], ...]
 BETWEEN = ("linear", "nearest")
+SYMMETRIC = 1e-6  # share of the largest value by which mirror images may differ
 HEADER = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
 
 
@@ -101,7 +102,8 @@ def on_surface(body: Body, places: Places, values: Array, between: str) -> Array
     Each point has the value of the nearest pial point. Between places it is linear in arc length, or that of
     the nearest one; beyond the first and last of an open surface constant; on a part of the surface without
     any place that of the place nearest in the plane.
-    Raises ValueError for points farther from the surface than the cortex is thick.
+    Raises ValueError for points farther from the surface than the cortex is thick, and on half a body for
+    values that differ from those of their images beyond the mirror.
     """
     points = body.quadrature.points.reshape(2, -1)
     return _on(body, places, values, between, points, body.arc.ravel()).reshape(body.arc.shape)
@@ -131,9 +133,25 @@ def evenly(body: Body, count: int, what: str) -> Places:
 def _on(body: Body, places: Places, values: Array, between: str, points: Array, arc: Array) -> Array:
     """Return values (k,) at points (2, n) of the body with arc lengths (n,)."""
     curves = body.pial_curves
+    if body.mirror:
+        _check_symmetric(np.array(places), values)
     length = curves.length * (2.0 if body.mirror else 1.0)
     knots = arcs_of(places, curves, length, body.thickness)
     return _interpolated(arc, knots, values, curves, between, points)
+
+
+def _check_symmetric(shares: Array, values: Array) -> None:
+    """Raise ValueError for values of a whole surface, beyond the mirror too, that half a body cannot have."""
+    if shares.ndim > 1 or shares.max() <= 0.5:
+        return
+    order = np.argsort(shares, kind="stable")
+    here, image = (np.interp(at, shares[order], values[order]) for at in (shares, 1.0 - shares))
+    k = int(np.argmax(np.abs(here - image)))
+    if abs(here[k] - image[k]) > SYMMETRIC * np.abs(values).max():
+        raise ValueError(
+            f"values are {here[k]:.6g} at the share {shares[k]:g} and {image[k]:.6g} at {1 - shares[k]:g}, "
+            "its image; half a body is one of two alike: run the whole one, or give places up to 0.5."
+        )
 
 
 def arcs_of(places: Places, curves: Curves, length: float, farthest: float) -> Array:
@@ -161,8 +179,7 @@ def _interpolated(
     """Return values (k,) at knots, (k,), at arc lengths (n,); points: (2, n)."""
     found, low = np.full(arc.shape, np.nan), 0.0
     for curve in curves.parts:
-        last = curve is curves.parts[-1]  # places beyond it are in the other half of a mirrored body
-        high = np.inf if last else low + curve.length
+        high = np.inf if curve is curves.parts[-1] else low + curve.length
         here, there = (knots >= low) & (knots <= high), (arc >= low) & (arc <= high)
         if here.any():
             laps = (-1, 0, 1) if curve.closed else (0,)
