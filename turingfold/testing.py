@@ -14,11 +14,15 @@ from scipy.sparse import csc_matrix, tril
 from .arrays import Array
 from .geometry.body import Body
 from .parts import Evaluation, Hessian, Potential, Process, Term, TimeStep
+from .scene import Scene
+from .sensitivity.parameters import Change, change, number_of, numbers_of
+from .solve.problem import Problem, configuration
 from .state import State
 from .turing.kinetics.base import Kinetics
 
 STEPS = 2.0 ** -np.arange(0.0, 15.0, 2.0)
 ORDER = 1.9  # of a remainder that is meant to have order 2
+SMOOTH = 1e-4  # relative error of a derivative by differences (contact: 2e-5, its barrier is C²)
 
 
 def dense(hessian: Hessian, n_dofs: int) -> Array:
@@ -138,6 +142,45 @@ def check_term(
         _hold(left <= set(term.writes), f"it leaves {left}, and declares {set(term.writes)}")
         if other is not None:
             _check_other(here, _evaluated(_potential(other, body, state, dt), x), len(x))
+
+
+def check_parameters(
+    scene: Scene, x: Array, *, step: float, names: Sequence[str] = (), time: float | None = None
+) -> tuple[str, ...]:
+    """Examine how energy and forces of a scene change with parameters of its parts; return their names.
+
+    What sensitivities rest on: E(x, p) changes smoothly with p, and ∂/∂x (∂E/∂p) = ∂g/∂p, g = ∂E/∂x.
+    x: an admissible displacement in which all parts act, (2 n_nodes,).  step: largest change of it tried, m.
+    names: of the parameters, such as "Springs.stiffness"; else all numbers of the parts that change a force.
+    time: of the scene, else its end.
+    """
+    problem, end = Problem(scene), scene.until if time is None else time
+    state = problem.processed(problem.start(), end).updated(displacement=x.reshape(-1, 2).T)
+    random, over = np.random.default_rng(0), TimeStep(end, over=True)
+    known, at = tuple(names) or numbers_of(scene), configuration(problem.potentials(state, over), x)
+    if at is None:
+        raise AssertionError("the energy is infinite at the displacement to be examined; use a smaller one")
+    found = []
+    for name in known:
+        here = change(problem, state, x, name, over)
+        if not here.gradient.any() and not names:  # such as how fast a load comes that is there
+            continue
+        _hold(bool(here.gradient.any()), f"{name} changes no force; choose x so that its part acts")
+        _hold(here.error < SMOOTH, f"{name} does not act smoothly: ∂g/∂p is known to {here.error:.1g} only")
+        d = random.standard_normal(len(x))
+
+        def remainder(h: float, name: str = name, here: Change = here, d: Array = d) -> float:
+            there = change(problem, state, x + h * d, name, over)
+            return there.energy - here.energy - h * float(here.gradient @ d)
+
+        size = abs(here.energy) + step * float(np.linalg.norm(here.gradient) * np.linalg.norm(d))
+        # differences of the energy are rounded to it
+        size += abs(at.energy / (number_of(scene, name) or 1.0))
+        order = taylor_order(remainder, size, step)
+        _hold(order > ORDER, f"{name} changes forces otherwise than the energy: the order is {order:.1f}")
+        found.append(name)
+    _hold(bool(found), "no part has a number that changes a force; give one a parameter with a decimal point")
+    return tuple(found)
 
 
 def check_process(process: Process, body: Body, state: State, dt: float, *, seed: int = 0) -> State:

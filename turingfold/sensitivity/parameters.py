@@ -25,6 +25,7 @@ THICKNESS = "Body.thickness"
 STEP = 1e-3  # change of a parameter, relative to it; of one that is 0, in its own unit
 ROUNDED = 1e-6  # an error of ∂g/∂p beyond which a parameter may be too near 0 for a relative change
 TINY = 1e-9  # a parameter of which it is
+ROUND_OFF = 1e-13  # share of its part's forces below which a change of them is none
 # differences of fourth order, and coarser ones that say how large their errors are: places in h, weights
 CENTRAL = ((-1.0, -0.5, 0.5, 1.0), (1 / 6, -4 / 3, 4 / 3, -1 / 6), (0.0, -1.0, 1.0, 0.0))
 FORWARD = ((0.0, 0.5, 1.0, 1.5, 2.0), (-25 / 6, 8.0, -6.0, 8 / 3, -0.5), (-11 / 3, 6.0, -3.0, 2 / 3, 0.0))
@@ -92,6 +93,8 @@ def _differences(
     )
     found, rough = (np.array(weights) @ forces / h for weights in (fine, coarse))
     size = float(np.linalg.norm(found[:-1]))
+    if size * abs(h) <= ROUND_OFF * float(np.linalg.norm(forces[:, :-1], axis=1).max()):
+        return Change(np.zeros_like(found[:-1]), float(found[-1]), 0.0)
     error = float(np.linalg.norm((found - rough)[:-1])) / size if size > 0 else 0.0
     return Change(found[:-1], float(found[-1]), error)
 
