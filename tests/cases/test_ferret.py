@@ -241,6 +241,19 @@ def test_thicker_coats_fold_less():
 
 
 @pytest.mark.slow
+def test_a_folded_brain_with_a_thin_cortex_folds_finely_over_its_gyri():
+    if not load_case(CASES / "ferret_outlines.py").module.FOLDER.is_dir():
+        pytest.skip("the published outlines are not here")
+    results = run("ferret_folded", {"elements": 2.0})
+    counts = {name.partition(":")[0]: folds(result).count for name, result in results.items()}
+    assert counts["PMG"] > 3 * counts["normal"]
+    assert counts["normal"] < counts["SCN3A"] < counts["PMG"]
+    assert max(counts["ASPM"], counts["thick"], counts["TMEM161B"]) <= counts["normal"]
+    for result in results.values():
+        assert self_intersections(result.pial(), closed=True, quadratic=True) == 0
+
+
+@pytest.mark.slow
 def test_real_outlines_fold_without_crossing_themselves():
     case = load_case(CASES / "ferret_outlines.py").module
     if not case.FOLDER.is_dir():
