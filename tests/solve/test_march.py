@@ -34,7 +34,14 @@ from turingfold.solve.snap import Creep
 from turingfold.state import State
 from turingfold.stepping import Stepping
 from turingfold.terms.contact import SelfContact
-from turingfold.terms.dynamics import Drag, Inertia
+from turingfold.terms.dynamics import (
+    Dissipation,
+    DissipationEvaluation,
+    Drag,
+    DragOperator,
+    Inertia,
+    mass,
+)
 from turingfold.terms.elastic.material import NeoHookean
 from turingfold.terms.elastic.term import Elastic
 from turingfold.testing import check_process, check_term
@@ -176,6 +183,40 @@ def test_a_field_that_is_not_finite_stops_the_march(body):
     assert isinstance(failure.value.__cause__, InadmissibleStateError)
     assert failure.value.time == pytest.approx(0.35, abs=0.011)
     message_names(failure.value, "'clock'", "not finite")
+
+
+@dataclass(frozen=True)
+class Marked(Drag):
+    """Drag that leaves a field behind, which is broken after t = 0.35."""
+
+    writes = ("mark",)
+
+    def on(self, body):
+        return MarkedOperator(mass(body, self.coefficient))
+
+
+class MarkedOperator(DragOperator):
+    def during(self, state, step):
+        found = super().during(state, step)
+        return MarkedPotential(found.matrix, found.rest, found.weight, step=step, name=str(state.time))
+
+
+class MarkedPotential(Dissipation):
+    def evaluate(self, x):
+        return MarkedEvaluation(self, x)
+
+
+class MarkedEvaluation(DissipationEvaluation):
+    def finish(self, wanted):
+        return {"mark": np.array([np.nan if float(self.potential.name) > 0.35 else 1.0])}
+
+
+def test_no_state_with_a_field_of_a_term_that_is_not_finite_is_accepted(body):
+    made = scene(body, Marked(coefficient=1.0), first=0.1, largest=0.1, smallest=1e-2)
+    with pytest.raises(NotConvergedError) as failure:
+        run(made)
+    assert failure.value.time == pytest.approx(0.35, abs=0.011)
+    message_names(failure.value, "'mark'", "not finite")
 
 
 def test_the_time_limit_stops_between_steps(body):

@@ -200,7 +200,10 @@ class Problem:
         return float("nan") if stored is None else stored.energy
 
     def finished(self, state: State, at: Configuration) -> State:
-        """Return the state with those fields of the terms that some part reads."""
+        """Return the state with those fields of the terms that some part reads.
+
+        Raises InadmissibleStateError where one is not finite, as the stress where a triangle is turned over.
+        """
         wanted, writes = self.scene.wanted, {n for term in self.scene.terms for n in term.writes}
         for evaluation in at.evaluations:
             made = evaluation.finish(wanted)
@@ -210,6 +213,7 @@ class Problem:
                     "term declares in `writes`."
                 )
             state = state.updated(**made)
+        _check_finite(state)
         return state
 
     def _rewritten(self, number: int, name: str) -> bool:
