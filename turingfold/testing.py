@@ -15,7 +15,8 @@ from .arrays import Array
 from .geometry.body import Body
 from .parts import Evaluation, Hessian, Potential, Process, Term, TimeStep
 from .scene import Scene
-from .sensitivity.parameters import Change, change, number_of, numbers_of
+from .sensitivity.change import Change, change
+from .sensitivity.parameters import number_of, numbers_of
 from .solve.problem import Problem, configuration
 from .state import State
 from .turing.kinetics.base import Kinetics

@@ -31,6 +31,7 @@ from turingfold.geometry.body import by_node
 from turingfold.parts import TimeStep
 from turingfold.results.surface import along_pial
 from turingfold.sensitivity import fit as fitting
+from turingfold.sensitivity.change import BOTH, ONE
 from turingfold.sensitivity.landmarks import landmarks_of
 from turingfold.sensitivity.measures import measures_of
 from turingfold.sensitivity.parameters import CENTRAL, FORWARD, numbers_of
@@ -51,11 +52,13 @@ def at_limit():
 
 
 def test_the_rules_for_differences_are_of_fourth_order():
-    for rule, orders in ((CENTRAL, (5, 3)), (FORWARD, (5, 4))):
-        places, *all_weights = map(np.array, rule)
-        for weights, order in zip(all_weights, orders, strict=True):
-            powers = [float(weights @ places**k) for k in range(order)]
+    for places, rule, orders in ((CENTRAL, BOTH, (5, 3)), (FORWARD, ONE, (5, 4))):
+        for weights, order in zip(rule, orders, strict=False):
+            powers = [float(np.array(weights) @ np.array(places) ** k) for k in range(order)]
             np.testing.assert_allclose(powers, np.eye(order)[1], atol=1e-13)
+    kink = np.array(BOTH[2])
+    np.testing.assert_allclose([kink @ np.array(CENTRAL) ** k for k in range(4)], 0.0, atol=1e-13)
+    assert kink @ np.maximum(CENTRAL, 0.0) == pytest.approx(0.5)  # half the jump of the slope
 
 
 def test_at_a_limit_of_its_part_the_derivative_is_that_of_the_side_that_is_left(at_limit):
@@ -118,7 +121,9 @@ class OnBody(Evolution):
 def test_a_parameter_between_two_near_limits_is_refused_by_name():
     result = simulate(elastic_scene(Narrow(), TangentialGrowth(cortex=1.2)))
     assert "Narrow.width" not in numbers_of(result.scene)
-    with pytest.raises(ValueError, match=r"Narrow\.width is 1\.0, and its part takes no values up to 0\.002"):
+    with pytest.raises(
+        ValueError, match=r"Narrow\.width is 1\.0, and a derivative needs values up to 0\.002"
+    ):
         sensitivity(result, to=("Narrow.width",))
 
 

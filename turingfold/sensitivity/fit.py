@@ -28,9 +28,10 @@ from ..scene import Scene
 from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
+from .change import change, check_path
 from .fit_setup import best_so_far, check_fitted, checked_start, keep_best, limits
 from .landmarks import Landmarks, checked_landmarks
-from .parameters import change, changed_in, check_path, number_of
+from .parameters import changed_in, number_of
 from .smoothing import misfit, second_differences, smoothest
 from .standard_errors import noise_of, told
 from .tangent import Tangent

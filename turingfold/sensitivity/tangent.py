@@ -17,7 +17,7 @@ from ..solve.inertia import Factors, Indefinite
 from ..solve.problem import Configuration, Problem, configuration
 from ..solve.sparsity import Assembler
 from ..state import State
-from .parameters import Change, change, check_path
+from .change import Change, Still, change, check_path
 from .validity import lowest_eigenvalue
 
 
@@ -25,7 +25,7 @@ from .validity import lowest_eigenvalue
 class Equilibrium:
     """A state of a result that is in equilibrium.
 
-    x: its displacement, (2 n_nodes,).  step: in which the scene is there, for good.
+    x: its displacement, (2 n_nodes,).  step: in which the scene is there, for good.  still: of `change`.
     """
 
     problem: Problem
@@ -33,6 +33,7 @@ class Equilibrium:
     x: Array
     step: TimeStep
     at: Configuration
+    still: Still
 
     @classmethod
     def of(cls, result: Result, number: int) -> Equilibrium:
@@ -47,7 +48,7 @@ class Equilibrium:
             raise ValueError(f"step={number} is the start, before anything has grown; choose a later state.")
         check_path(problem, result.states[0])
         x, step = by_node(state["displacement"]), TimeStep(state.time, over=True)
-        return cls(problem, state, x, step, _balanced(problem, state, step, x))
+        return cls(problem, state, x, step, _balanced(problem, state, step, x), {})
 
     @cached_property
     def tangent(self) -> Tangent:
@@ -61,7 +62,7 @@ class Equilibrium:
 
     def change(self, parameter: str) -> Change:
         """Return how forces and energy change with a parameter while the body stays."""
-        return change(self.problem, self.state, self.x, parameter, self.step)
+        return change(self.problem, self.state, self.x, parameter, self.step, self.still)
 
 
 def _balanced(problem: Problem, state: State, last: TimeStep, x: Array) -> Configuration:

@@ -15,7 +15,8 @@ from ..solve.inertia import Factors
 from ..solve.problem import Problem, configuration
 from ..solve.sparsity import Assembler
 from ..state import State
-from .parameters import changed_in, fields_of, number_of, operators_of
+from .change import fields_of, operators_of
+from .parameters import changed_in, number_of
 
 MISSED = 0.1  # share of a displacement that the linear answer may miss
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
