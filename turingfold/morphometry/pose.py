@@ -23,11 +23,11 @@ Distances = Callable[[Array], tuple[Array, Array]]  # points (2, n) -> distances
 
 
 def posed(points: Array, weights: Array, distances: Distances) -> tuple[Array, Array, Array]:
-    """Return the distances of a curve laid on its target, their gradients, and which of them are rigid.
+    """Return the points of a curve laid on its target, their distances, and which of these are rigid.
 
     points: (2, n).  weights: of the distances, (n,).
-    The distances, (n,), are weighted; gradients, (2, n), are those to the points before they were moved;
-    rigid, (n, 3), has orthonormal columns: weighted distances that a move or a turn could change.
+    The distances, (n,), are weighted; rigid, (n, 3), has orthonormal columns: weighted distances that a move
+    or a turn could change.
     """
     centre = points.mean(axis=1, keepdims=True)
     size = float(np.abs(points - centre).max())
@@ -35,14 +35,15 @@ def posed(points: Array, weights: Array, distances: Distances) -> tuple[Array, A
     for _ in range(ROUNDS):
         rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         arms = rotation @ start
-        distance, gradient = distances(arms + move)
+        placed = arms + move
+        distance, gradient = distances(placed)
         turning = gradient[1] * arms[0] - gradient[0] * arms[1]
         rigid = weights[:, None] * np.stack([*gradient, turning], axis=1)
         change = np.linalg.lstsq(rigid, -weights * distance, rcond=1e-10)[0]
         if max(np.abs(change[:2]).max() / size, abs(change[2])) < STILL:
             break
         move, turn = move + change[:2, None], turn + float(change[2])
-    return weights * distance, rotation.T @ gradient, np.linalg.qr(rigid)[0]
+    return placed, weights * distance, np.linalg.qr(rigid)[0]
 
 
 def without_rigid(rows: Array, rigid: Array) -> Array:
@@ -60,7 +61,7 @@ def outline_distance(points: Any, target: Any, *, closed: bool | None = None) ->
     lengths = curve.lengths if curve.closed else np.append(curve.lengths, 0.0)
     shares = 0.5 * (lengths + np.roll(lengths, 1)) / curve.length
     weights = np.sqrt(shares)
-    found, _, _ = posed(
+    _, found, _ = posed(
         curve.points, weights, lambda at: signed_distance(at, other.points, closed=other.closed)
     )
     return float(np.sum(np.abs(found) * weights))

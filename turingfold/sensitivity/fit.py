@@ -1,9 +1,10 @@
-"""Which parameters made this shape? Gauss-Newton on the distance between pial surface and target outlines.
+"""Which parameters made this shape? Gauss-Newton on the distance between target outlines and pial surface.
 
-At each age the pial points x_i(p) have the signed distances d_i from the target along its normal n_i: no
-correspondence of points is needed. Their derivatives are n_i · dx_i/dp, and dx/dp = -K⁻¹ ∂g/∂p is nearly
-free at an equilibrium. Equilibria of new parameters start from the last ones, moved along dx/dp. The sum of
-squares is minimised by scipy's trust region method with bounds.
+At each age the points y_j of the target have the signed distances d_j from the pial surface along its normal
+n_j, at their feet x_j: no correspondence of points is needed. Their derivatives are -n_j · dx_j/dp, and
+dx/dp = -K⁻¹ ∂g/∂p is nearly free at an equilibrium. So the errors of the points count, one each, and not the
+slopes that they give the target. Equilibria of new parameters start from the last ones, moved along dx/dp.
+The sum of squares is minimised by scipy's trust region method with bounds.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ from typing import Any, Literal
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..checks import finite, instance, positive
 from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
-from ..morphometry.distance import sampled, signed_distance, through
+from ..morphometry.distance import Feet, feet, sampled, signed_distance
 from ..morphometry.pose import posed, without_rigid
 from ..parts import TimeStep
 from ..results.surface import along_pial, pial_closed
@@ -33,7 +34,7 @@ from .fit_setup import best_so_far, check_fitted, checked_start, keep_best, limi
 from .landmarks import Landmarks, checked_landmarks
 from .parameters import changed_in, number_of
 from .smoothing import misfit, second_differences, smoothest
-from .standard_errors import noise_of, told
+from .standard_errors import smoothed_away, told
 from .tangent import Tangent
 from .targets import checked_targets
 
@@ -108,6 +109,7 @@ def fit(
                 tolerance=tolerance, out=out, resume=resume and not again, progress=progress,
             ),
             scene, noise, None if out is None else Path(out),
+            sum(points.shape[1] for points in checked_targets(scene, targets).values()),
         )  # fmt: skip
     if isinstance(smoothness, str) or finite("smoothness", smoothness) < 0:
         raise ValueError(f'smoothness={smoothness!r} must be 0 or more, or "auto".')
@@ -121,11 +123,8 @@ def fit(
         values = best_so_far(Path(out), tuple(to), values)
     low, high = limits(bounds, to)
     values = checked_start(values, low, high, to)
-    closed = pial_closed(scene.body)
-    smooth = {age: through(points, closed=closed) for age, points in curves.items()}
-    given = {age: points.shape[1] for age, points in curves.items()}
     folder = None if out is None else Path(out)
-    problem = _Inverse(scene, tuple(to), smooth, given, marks, smoothness, folder, progress)
+    problem = _Inverse(scene, tuple(to), curves, marks, smoothness, folder, progress)
     solved = least_squares(
         problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
         xtol=tolerance, ftol=1e-15, gtol=None,
@@ -134,14 +133,15 @@ def fit(
 
 
 def _smoothest(
-    fitted: Callable[[Scene, float, bool], Fit], scene: Scene, noise: float | None, out: Path | None
-) -> Fit:
+    fitted: Callable[[Scene, float, bool], Fit], scene: Scene, noise: float | None, out: Path | None,
+    points: int,
+) -> Fit:  # fmt: skip
     """Return the fit of the smoothest map; fitted: by the scene it begins with, the weight, whether again."""
 
     def with_weight(weight: float, last: Fit | None) -> Fit:
         return fitted(scene if last is None else last.scene, weight, last is not None)
 
-    found, how = smoothest(with_weight, noise)
+    found, how = smoothest(with_weight, noise, points)
     if out is not None:
         keep_best(out, found.parameters, found.values, misfit(found), found.smoothness, found.solves)
     return replace(found, message=f"{found.message} {how}")
@@ -154,7 +154,6 @@ class _Inverse:
     scene: Scene
     parameters: tuple[str, ...]
     targets: dict[float, Array]
-    given: dict[float, int]  # points of each target
     landmarks: dict[float, Landmarks]
     smoothness: float
     out: Path | None
@@ -179,7 +178,7 @@ class _Inverse:
                 raise
             return np.full(self._count(), 1e3)  # scipy goes back to shorter steps
         self._at, self._x, self._moves = values.copy(), x, {}
-        rows = [self._distances(age, x[age])[0] for age in self.targets]
+        rows = [self._compared(age, x[age])[1] for age in self.targets]
         rows += [self._mark(age) * own.apart(x[age]).ravel() for age, own in self.landmarks.items()]
         found = np.concatenate([*rows, self._roughness() @ values])
         self._keep(values, x, found)
@@ -211,10 +210,10 @@ class _Inverse:
             tangent = Tangent(problem, at)
             changes = (change(problem, state, self._x[age], name, step).gradient for name in self.parameters)
             self._moves[age] = np.stack([-tangent.solve(gradient) for gradient in changes])
-            _, normals, rigid = self._distances(age, self._x[age])
-            ways = np.stack([self._pial(move, moved=False) for move in self._moves[age]])
-            moved = np.einsum("in,pin->np", normals, ways) * self._weights()[:, None]
-            rows.append(without_rigid(moved, rigid))
+            found, _, rigid = self._compared(age, self._x[age])
+            ways = np.stack([found.of(self._pial(move, moved=False)) for move in self._moves[age]])
+            moved = np.einsum("in,pin->np", found.normals, ways) * self._weights(age)[:, None]
+            rows.append(without_rigid(-moved, rigid))
         for age, own in self.landmarks.items():
             moved = np.stack([own.moved(move).ravel() for move in self._moves[age]], axis=1)
             rows.append(self._mark(age) * moved)
@@ -222,24 +221,24 @@ class _Inverse:
 
     def _mark(self, age: float) -> float:
         """Return the weight of a landmark: that of a point of its outline; 1/m."""
-        return float(1.0 / (np.sqrt(self.given[age]) * self.scene.body.thickness))
+        return float(1.0 / (np.sqrt(self.targets[age].shape[1]) * self.scene.body.thickness))
 
     def result(self, values: Array, message: str, noise: float | None) -> Fit:
         """Return what was found, with standard errors."""
         jacobian, residual, T = self.jacobian(values), self.residuals(values), self.scene.body.thickness
-        points = np.array([self.given[age] for age in self.targets])
-        each = len(self._weights()) * len(points)
-        ages = np.concatenate([np.repeat(np.arange(len(points)), each // len(points)), self._ages_of_marks()])
-        outlines, marks = (
-            np.bincount(ages[own], residual[own] ** 2, minlength=len(points)).astype(float)
-            for own in (slice(each), slice(each, len(ages)))
-        )
-        spread = (
-            noise_of(outlines, marks, points, len(ages) - each, len(values)) if noise is None else noise / T
-        )
-        found = told(jacobian[: len(ages)], spread / np.sqrt(points[ages]))
+        weights = [self._weights(age) for age in self.targets]
+        marks = [np.full(own.targets.size, self._mark(age)) for age, own in self.landmarks.items()]
+        each = np.concatenate([*weights, *marks])  # the weight of each error
+        data, ages = residual[: len(each)], np.repeat(np.arange(len(weights)), [len(w) for w in weights])
+        outlines = np.bincount(ages, data[: len(ages)] ** 2)
+        if noise is None:
+            told_apart = max(len(each) - len(values), 1)
+            noise = float(np.linalg.norm(data) / np.linalg.norm(each) * np.sqrt(len(each) / told_apart))
+        found = told(jacobian[: len(each)], noise * each)
+        taken = smoothed_away(jacobian, self._roughness(), values)
         return Fit(
-            scene=self._with(values), parameters=self.parameters, values=values, deviations=found.deviations,
+            scene=self._with(values), parameters=self.parameters, values=values,
+            deviations=np.hypot(found.deviations, taken),
             misfits=dict(zip(self.targets, (T * np.sqrt(outlines)).tolist(), strict=True)),
             distinct=found.distinct, singular_values=found.singular_values, flat=found.flat,
             solves=self.solves, message=message, smoothness=self.smoothness,
@@ -286,22 +285,23 @@ class _Inverse:
             found[age] = by_node(position.state["displacement"])
         return found
 
-    def _distances(self, age: float, x: Array) -> tuple[Array, Array, Array]:
-        """Return weighted distances in thicknesses, (n,), their gradients, (2, n), and what is rigid.
+    def _compared(self, age: float, x: Array) -> tuple[Feet, Array, Array]:
+        """Return a target's points' feet on the pial surface, their weighted distances, and what is rigid.
 
-        A body that nothing supports is first laid on its target; of another one, none are, (n, 0).
+        The target of a body that nothing supports is first laid on it; of another one, nothing is, (n, 0).
         """
-        closed, points, weights = pial_closed(self.scene.body), self._pial(x), self._weights()
+        points, weights, closed = self.targets[age], self._weights(age), pial_closed(self.scene.body)
+        surface, rigid = self._pial(x), np.zeros((points.shape[1], 0))
         if self.scene.body.supported.size == 0:
-            target = self.targets[age]
-            return posed(points, weights, lambda at: signed_distance(at, target, closed=closed))
-        distance, normal = signed_distance(points, self.targets[age], closed=closed)
-        return distance * weights, normal, np.zeros((len(weights), 0))
+            points, _, rigid = posed(points, weights, lambda at: signed_distance(at, surface, closed=closed))
+        found = feet(points, surface, closed=closed)
+        return found, found.distances * weights, rigid
 
-    def _weights(self) -> Array:
-        """Return √(share of the pial surface) of each sample over the thickness, (n,); 1/m."""
-        steps = np.hypot(*np.diff(self._pial(np.zeros(self.scene.body.nodes.size)), axis=1))
-        shares = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    def _weights(self, age: float) -> Array:
+        """Return √(share of the target's length) of each of its points over the thickness, (n,); 1/m."""
+        points, closed = self.targets[age], pial_closed(self.scene.body)
+        steps = np.hypot(*np.diff(points, axis=1, append=points[:, :1] if closed else points[:, -1:]))
+        shares = 0.5 * (steps + np.roll(steps, 1))
         return np.asarray(np.sqrt(shares / shares.sum()) / self.scene.body.thickness)
 
     def _pial(self, x: Array, *, moved: bool = True) -> Array:
@@ -319,17 +319,16 @@ class _Inverse:
 
     def _count(self) -> int:
         marked = sum(own.targets.size for own in self.landmarks.values())
-        return len(self.targets) * len(self._weights()) + marked + len(self._roughness())
+        return self._points + marked + len(self._roughness())
 
-    def _ages_of_marks(self) -> Integers:
-        """Return the number of the age of each coordinate of all landmarks."""
-        order = list(self.targets)
-        counts = [own.targets.size for own in self.landmarks.values()]
-        return np.repeat(np.array([order.index(age) for age in self.landmarks], dtype=int), counts)
+    @property
+    def _points(self) -> int:
+        """The number of points of all targets."""
+        return sum(points.shape[1] for points in self.targets.values())
 
     def _keep(self, values: Array, x: dict[float, Array], residual: Array) -> None:
         """Store the best so far, and tell the misfit of the outlines."""
-        outlines = residual[: len(self.targets) * len(self._weights())]
+        outlines = residual[: self._points]
         misfit = float(np.linalg.norm(outlines)) * self.scene.body.thickness / np.sqrt(len(self.targets))
         size = float(np.linalg.norm(residual))
         if size < self.best:

@@ -10,8 +10,6 @@ import numpy as np
 from ..arrays import Array
 
 WEIGHTS = 10.0 ** np.arange(0.0, -4.1, -0.5)
-SPLINE = 0.875  # mean square of the cubic spline through independent errors of unit variance
-AMPLE = 1.1  # times the noise: a misfit that it explains
 
 
 class Fitted(Protocol):
@@ -42,21 +40,24 @@ def second_differences(parameters: Sequence[str]) -> Array:
     return np.array(rows).reshape(-1, len(parameters))
 
 
-def smoothest(fitted: Callable[[float, Fit | None], Fit], noise: float | None) -> tuple[Fit, str]:
+def smoothest(
+    fitted: Callable[[float, Fit | None], Fit], noise: float | None, points: int
+) -> tuple[Fit, str]:
     """Return a fit of well chosen weight of smoothness, and how it was chosen.
 
-    fitted: makes a fit with a weight, starting from another one.  noise: of the targets, m. With it, the
-    largest weight whose misfit the noise explains (Morozov's discrepancy principle); without, that at the
-    corner of the curve of log roughness over log misfit, where more smoothness begins to cost misfit (the
+    fitted: makes a fit with a weight, starting from another one.  noise: of the targets' `points`, m. With
+    it, the largest weight that raises the sum of (distance / noise)² by no more than the number of parameters
+    above that of the least weight: what it moves them by is then about what the noise does. Without, that at
+    the corner of the curve of log roughness over log misfit, where more smoothness begins to cost misfit (the
     L-curve: Hansen, SIAM Review 34:561, 1992).
     """
     found: list[Fit] = []
     for weight in WEIGHTS.tolist():
         found.append(fitted(weight, found[-1] if found else None))
-        if noise is not None and misfit(found[-1]) <= AMPLE * np.sqrt(SPLINE) * noise:
-            return found[-1], f"smoothness {weight:.2g}, the most that leaves a misfit within the noise"
     if noise is not None:
-        return found[-1], f"smoothness {WEIGHTS[-1]:.2g}, the least tried: the misfit exceeds the noise"
+        squares = points * np.square([misfit(one) / noise for one in found])
+        k = int(np.argmax(squares <= squares[-1] + len(found[-1].values)))
+        return found[k], f"smoothness {WEIGHTS[k]:.2g}, the most that moves the map by no more than the noise"
     differences = second_differences(found[0].parameters)
     rough = np.array([np.linalg.norm(differences @ one.values) for one in found])
     k = corner(np.log([misfit(one) for one in found]), np.log(np.maximum(rough, 1e-300)))

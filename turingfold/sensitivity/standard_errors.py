@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from .smoothing import SPLINE
 
 DISTINCT = 1e-4  # singular values below this share of the largest belong to what the targets do not tell
 LOST = 0.1  # share of a parameter in such combinations beyond which it is not told itself
@@ -24,6 +23,19 @@ class Told:
     distinct: int
     singular_values: Array
     flat: Array
+
+
+def smoothed_away(jacobian: Array, roughness: Array, values: Array) -> Array:
+    """Return about how much weighted second differences change fitted values, (p,).
+
+    Minimising |r|² + |R β|² moves β by (JᵀJ + RᵀR)⁻¹ RᵀR β; of the true β, for which the fitted one stands.
+    jacobian: of all residuals, those of the roughness R (rows, p) among them.
+    """
+    if not len(roughness):
+        return np.zeros(len(values))
+    return np.asarray(
+        np.linalg.pinv(jacobian.T @ jacobian, hermitian=True) @ (roughness.T @ (roughness @ values))
+    )
 
 
 def told(jacobian: Array, spread: Array) -> Told:
@@ -43,14 +55,3 @@ def told(jacobian: Array, spread: Array) -> Told:
         deviations=np.where(lost, np.inf, deviations), distinct=int(known.sum()), singular_values=singular,
         flat=flat / np.linalg.norm(flat, axis=1, keepdims=True),
     )  # fmt: skip
-
-
-def noise_of(outlines: Array, landmarks: Array, points: Array, marked: int, parameters: int) -> float:
-    """Return the standard deviation of the targets' points that residuals show, in their unit.
-
-    outlines, landmarks: sums of squares of each age, (ages,), in which all points of an outline count as
-    one, and a landmark as one of them.  points: of each outline, (ages,).  marked: coordinates of landmarks.
-    An outline is compared with a spline through its points, which holds SPLINE of their variance.
-    """
-    squares = float(points @ (outlines / SPLINE + landmarks))
-    return float(np.sqrt(squares / max(int(points.sum()) + marked - parameters, 1)))
