@@ -79,7 +79,7 @@ def test_a_result_is_a_target_too_and_smoothness_may_be_chosen(target, tmp_path,
     words = ["--target", "1=hidden/map/only", "--noise", "0.002", "--smoothness", "auto"]
     assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--figure", "mine.svg"]) == 0
     said = capsys.readouterr().out
-    assert "the most that leaves a misfit within the noise" in said
+    assert "the most that moves the map by no more than the noise" in said
     stored = json.loads((tmp_path / "results/map-fit/only/scene.json").read_text())["case"]["command"]
     assert stored.endswith(" --smoothness auto --noise 0.002 --figure mine.svg")
     assert (tmp_path / "mine.svg").is_file()

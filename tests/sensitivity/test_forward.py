@@ -9,7 +9,9 @@ from small import folding_scene
 
 from turingfold import (
     Drag,
+    Elastic,
     Imperfection,
+    NeoHookean,
     NotConvergedError,
     Stepping,
     StressGrowth,
@@ -176,3 +178,20 @@ def test_stored_results_have_them_too(result, found, tmp_path):
     stored = sensitivity(load(tmp_path / "out"), to=("Elastic.gray.mu",), of=("energy",))
     fresh = sensitivity(simulate(scene), to=("Elastic.gray.mu",), of=("energy",))
     assert stored.derivatives[0, 0] == fresh.derivatives[0, 0]
+
+
+@pytest.mark.parametrize("parameter", ["Elastic.gray.mu", "Elastic.white.mu"])
+def test_layers_of_equal_stiffness_have_the_derivatives_of_equilibria_solved_again(parameter):
+    """The stiffer one is the unit of contact: with one move of mu it is another, with the opposite not."""
+    made, same = folding_scene(), NeoHookean.from_young(1389.0, 0.4583)
+    terms = (Elastic(gray=same, white=same), *made.terms[1:])
+    processes = (*made.processes, Imperfection(amplitude=0.02))
+    result = simulate(
+        replace(made, terms=terms, processes=processes, stepping=replace(made.stepping, tolerance=1e-10))
+    )
+    assert result.summary()["min_gap"] < 1e-4, "walls are to touch"
+    found, h = sensitivity(result, to=(parameter,), of=("energy",)), 1e-5 * same.mu
+    (up, above), (down, below) = (solved_again(result, parameter, same.mu + s * h) for s in (1, -1))
+    expected = (up - down) / (2 * h)
+    assert found.of("energy", parameter) == pytest.approx((above - below) / (2 * h), rel=1e-5)
+    assert np.abs(by_node(found.displacement[0]) - expected).max() < 1e-4 * np.abs(expected).max()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 TABLE = "fit.csv"
 COLUMNS = ("parameter", "unit", "value", "standard_error")
 MM = 1e3
+STRAYED = 0.02  # thicknesses of the cortex between the fitted outline and that of the run that is told
 SHOWN = 5  # maps and other parameters in the figure
 
 
@@ -93,14 +94,31 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
         "case": case.name, "folder": str(base), "runs": facts_of([end], base), "table": str(base / TABLE),
         "parameters": told,
         "misfits": {f"{time:g}": size for time, size in found.misfits.items()}, "distinct": found.distinct,
-        "message": found.message,
+        "message": found.message, "remarks": list(found.remarks),
     }  # fmt: skip
     if not has_result(base, one.name):
         return Answer(status, {**facts, "figures": []})
-    picture = request.figure or base / f"{case.name}-fit.png"
-    _draw(picture, found, read_result(folder, known=case.known), targets)
+    result, picture = read_result(folder, known=case.known), request.figure or base / f"{case.name}-fit.png"
+    strays = list(_strays(result, found))
+    for stray in strays:
+        say(f"note: {stray}")
+    facts["remarks"] = [*found.remarks, *strays]
+    _draw(picture, found, result, targets)
     say(f"figure: {picture}")
     return Answer(status, {**facts, "figures": [str(picture)]})
+
+
+def _strays(result: Result, found: Fit) -> Iterator[str]:
+    """Yield at which times the scene, run from its start, is not where the fit was."""
+    thickness, times = result.scene.body.thickness, np.array([state.time for state in result.states])
+    for age, fitted_ in found.outlines.items():
+        near = int(np.argmin(np.abs(times - age)))
+        off = float(np.hypot(*(result.pial(near) - fitted_)).max())
+        if off > STRAYED * thickness:
+            yield (
+                f"run from its start, the scene is up to {off / thickness:.2g} of the cortical thickness off "
+                f"the fitted outline at {age:g}: it folds into another branch there"
+            )
 
 
 def _misfits(telling: Telling) -> Callable[[float], None] | None:
@@ -198,6 +216,7 @@ def _told(found: Fit) -> str:
     lines += [f"misfit at {time:g}: {size:.3g} m" for time, size in found.misfits.items()]
     told, all_ = found.distinct, len(found.parameters)
     lines.append(f"the outlines tell {told} of {all_} combinations of the parameters apart; {found.message}")
+    lines += [f"note: {remark}" for remark in found.remarks]
     return "\n".join(lines)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array
 from ..results.result import Result
 from .measures import MEASURES, Measure, gradient_of, measures_of, numbers_at
-from .parameters import number_of
+from .parameters import values_in
 from .tangent import Equilibrium
 
 
@@ -51,7 +51,7 @@ def adjoint_sensitivity(
     Raises ValueError and NotConvergedError as `sensitivity` does.
     """
     here = Equilibrium.of(result, step)
-    values = np.array([number_of(result.scene, parameter) for parameter in to])
+    values = values_in(result.scene, to)
     measures = measures_of(result, of)
     still = np.zeros(len(here.x))
     free = here.tangent.assembler.free

@@ -30,13 +30,17 @@ from ..solve.march import begin, march
 from ..solve.newton import Minimiser
 from ..solve.problem import Problem, configuration
 from .change import change, check_path
-from .fit_setup import best_so_far, check_fitted, checked_start, keep_best, limits
+from .fit_setup import best_so_far, check_fitted, checked_start, keep_best, limits, make_folder
 from .landmarks import Landmarks, checked_landmarks
-from .parameters import changed_in, number_of
+from .parameters import changed_in, values_in
+from .remarks import remarks
 from .smoothing import misfit, second_differences, smoothest
 from .standard_errors import smoothed_away, told
 from .tangent import Tangent
 from .targets import checked_targets
+
+STALLED = 1e-9  # relative decrease of the sum of squares that ends a fit
+EVALUATIONS = 100  # of the residuals, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +52,9 @@ class Fit:
     misfits: root mean square distance per age; m.  distinct: how many combinations of the parameters the
     outlines tell apart.  singular_values: of the scaled Jacobian, (p,).  flat: changes of the parameters of
     unit length that the outlines do not tell, (p - distinct, p).  solves: equilibria that were found.
-    smoothness: the weight of second differences.
+    smoothness: the weight of second differences.  outlines: the fitted pial surface by age, (2, n); m. The
+    scene run from its start may end in another branch than they are of: compare.
+    remarks: values at bounds, outlines that are missed by much.
     """
 
     scene: Scene
@@ -62,6 +68,8 @@ class Fit:
     solves: int
     message: str
     smoothness: float
+    outlines: dict[float, Array]
+    remarks: tuple[str, ...] = ()
 
 
 def fit(
@@ -116,7 +124,7 @@ def fit(
     positive("tolerance", tolerance)
     curves = checked_targets(scene, targets)
     marks = checked_landmarks(scene.body, curves, landmarks or {})
-    values = np.array([number_of(scene, parameter) for parameter in to])
+    values = values_in(scene, to)
     if resume:
         if out is None:
             raise ValueError("resume=True goes on from what `out` holds; give that folder.")
@@ -124,12 +132,16 @@ def fit(
     low, high = limits(bounds, to)
     values = checked_start(values, low, high, to)
     folder = None if out is None else Path(out)
+    if folder is not None:
+        make_folder(folder)
     problem = _Inverse(scene, tuple(to), curves, marks, smoothness, folder, progress)
     solved = least_squares(
         problem.residuals, values, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
-        xtol=tolerance, ftol=1e-15, gtol=None,
+        xtol=tolerance, ftol=STALLED, gtol=None, max_nfev=EVALUATIONS,
     )  # fmt: skip
-    return problem.result(np.asarray(solved.x), str(solved.message), noise)
+    found = problem.result(np.asarray(solved.x), str(solved.message), noise)
+    said = remarks(to, found.values, low, high, found.misfits, scene.body.thickness, noise)
+    return replace(found, remarks=tuple(said))
 
 
 def _smoothest(
@@ -242,6 +254,7 @@ class _Inverse:
             misfits=dict(zip(self.targets, (T * np.sqrt(outlines)).tolist(), strict=True)),
             distinct=found.distinct, singular_values=found.singular_values, flat=found.flat,
             solves=self.solves, message=message, smoothness=self.smoothness,
+            outlines={age: self._nodes(self._x[age]) for age in self.targets},
         )  # fmt: skip
 
     def _with(self, values: Array) -> Scene:
@@ -306,11 +319,13 @@ class _Inverse:
 
     def _pial(self, x: Array, *, moved: bool = True) -> Array:
         """Return samples of the deformed pial surface, or of a displacement of it, (2, n)."""
+        there = self._nodes(x) if moved else self._nodes(x) - self._nodes(np.zeros_like(x))
+        return sampled(there, closed=pial_closed(self.scene.body))
+
+    def _nodes(self, x: Array) -> Array:
+        """Return the nodes of the deformed pial surface, (2, n)."""
         body = self.scene.body
-        there = along_pial(body, (body.nodes + x.reshape(-1, 2).T)[:, body.pial])
-        if not moved:
-            there = there - along_pial(body, body.nodes[:, body.pial])
-        return sampled(there, closed=pial_closed(body))
+        return along_pial(body, (body.nodes + x.reshape(-1, 2).T)[:, body.pial])
 
     def _roughness(self) -> Array:
         """Return weighted second differences of neighbours in one map, (rows, p)."""

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array
-from ..results.files import write_whole
+from ..checks import finite
+from ..results.files import write_whole, writing
 
 BEST = "fit.json"
 
@@ -61,6 +62,12 @@ def check_fitted(to: Sequence[str]) -> None:
         raise ValueError(f"to names {', '.join(twice)} twice; give each parameter once.")
 
 
+def make_folder(folder: Path) -> None:
+    """Make the folder of a fit; raises OutputError where it cannot be."""
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+
+
 def keep_best(
     folder: Path, to: tuple[str, ...], values: Array, misfit: float, smoothness: float, solves: int
 ) -> None:
@@ -68,11 +75,11 @@ def keep_best(
 
     misfit: root mean square distance of the outlines, m.  smoothness: the weight it was fitted with.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     document = {
         "misfit": misfit, "parameters": dict(zip(to, values.tolist(), strict=True)), "solves": solves,
         "smoothness": smoothness,
     }  # fmt: skip
+    make_folder(folder)
     write_whole(folder / BEST, json.dumps(document, indent=1).encode())
 
 
@@ -86,7 +93,7 @@ def best_so_far(folder: Path, to: tuple[str, ...], values: Array) -> Array:
         return values
     try:
         known = json.loads(file.read_text(encoding="utf-8"))["parameters"]
-        found = np.array([float(known[name]) for name in to])
+        found = np.array([finite(name, float(known[name])) for name in to])
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(
             f"{file} is damaged or of a fit with other parameters ({type(error).__name__}: {error}); fit in "

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
+from ..checks import finite_array
 from ..results.result import Result
 from .measures import MEASURES, Measure, measures_of, numbers_at, rate_along
-from .parameters import number_of
+from .parameters import values_in
 from .tangent import Equilibrium
 from .validity import MISSED, range_of
 
@@ -58,7 +59,10 @@ class Sensitivity:
 
     def deviations(self, deviations: Sequence[float]) -> Array:
         """Return the standard deviations of the measures, (m,), for those of independent parameters, (p,)."""
-        return np.asarray(np.sqrt(((self.derivatives * np.asarray(deviations)) ** 2).sum(1)))
+        given = finite_array("deviations", deviations, (len(self.parameters),))
+        if (given < 0).any():
+            raise ValueError(f"deviations holds {given.min():g}; a standard deviation is 0 or more.")
+        return np.asarray(np.sqrt(((self.derivatives * given) ** 2).sum(1)))
 
     def text(self) -> str:
         """Return the table: one per cent more of a parameter changes a measure by so many per cent."""
@@ -66,7 +70,7 @@ class Sensitivity:
         head = " ".join(f"{name:>20}" for name in self.measures)
         lines = [f"{'1 % more of':<{width}} {head} {'good for':>12}"]
         for name, row, reach in zip(self.parameters, self.relative.T, self.ranges, strict=True):
-            numbers = " ".join(f"{value:>+18.3f} %" for value in row)
+            numbers = " ".join(f"{value:>+18.3f} %" if np.isfinite(value) else f"{'-':>20}" for value in row)
             lines.append(f"{name:<{width}} {numbers} {f'±{100 * reach:.2g} %':>12}")
         lines.append(
             f"good for: changes of the parameter within which the linear answer errs by up to {MISSED:.0%}\n"
@@ -94,7 +98,9 @@ def sensitivity(
     patterns that evolve) and for what is no parameter; NotConvergedError for a state that is no equilibrium.
     """
     here = Equilibrium.of(result, step)
-    values = np.array([number_of(result.scene, parameter) for parameter in to])
+    if not len(to):
+        raise ValueError('to=() names no parameter; give some, such as ["Elastic.gray.mu"].')
+    values = values_in(result.scene, to)
     changes = [here.change(parameter) for parameter in to]
     moves = np.stack([-here.tangent.solve(found.gradient) for found in changes])
     measures = measures_of(result, of)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from numbers import Real
 
 import numpy as np
 
@@ -31,6 +32,8 @@ def measures_of(result: Result, asked: Sequence[str | Measure]) -> dict[str, Mea
     Raises ValueError for an unknown name, for two of one name, and for what is of one pial surface on a body
     that has several.
     """
+    if isinstance(asked, str) or not len(asked):
+        raise ValueError(f'of={asked!r}: give a list of one measure or more, such as ["perimeter"].')
     parts = len(result.scene.body.pial_paths)
     if parts > 1 and any(item != ENERGY for item in asked):
         raise ValueError(
@@ -114,6 +117,24 @@ def _derivative(function: Callable[[float], float], h: float) -> tuple[float, fl
 
 
 @dataclass(frozen=True, eq=False)
+class Own:
+    """A function of one's own of the pial points, held to one finite number."""
+
+    name: str
+    function: Measure
+
+    def __call__(self, points: Array) -> float:
+        """Return it for points (2, n); raises ValueError for what is no finite number."""
+        found = self.function(points)
+        if np.ndim(found) or not np.isrealobj(found) or not isinstance(found, (Real, np.ndarray)):
+            what = f"{type(found).__name__} of shape {np.shape(found)}" if np.ndim(found) else repr(found)
+            raise ValueError(f"of={self.name}: it returned {what}; a measure is one real number.")
+        if not np.isfinite(found):
+            raise ValueError(f"of={self.name}: it returned {found}; a measure is finite.")
+        return float(found)
+
+
+@dataclass(frozen=True, eq=False)
 class Length:
     """The length of the pial surface, m, or its gyrification index: what has known derivatives."""
 
@@ -147,7 +168,8 @@ def _pulls(curve: Polyline) -> Array:
 def _measure(result: Result, item: str | Measure) -> tuple[str, Measure | None]:
     """Return a measure's name and its function of the pial points."""
     if callable(item):
-        return getattr(item, "__name__", "measure"), item
+        name = getattr(item, "__name__", "measure")
+        return name, Own(name, item)
     if item not in MEASURES:
         raise ValueError(f"of={item!r} must be one of {', '.join(MEASURES)}, or a function of points (2, n).")
     if item == ENERGY:

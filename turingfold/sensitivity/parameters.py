@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..parts import Load
 from ..scene import Scene
 from ..studies.sweep import value_of, with_value
@@ -38,6 +39,13 @@ def number_of(scene: Scene, parameter: str) -> float:
             "a sensitivity."
         )
     return value
+
+
+def values_in(scene: Scene, parameters: Sequence[str]) -> Array:
+    """Return the values of parameters, (p,); raises ValueError for what is no list of their names."""
+    if isinstance(parameters, str) or not all(isinstance(name, str) for name in parameters):
+        raise ValueError(f'to={parameters!r}: give a list of names, such as ["Elastic.gray.mu"].')
+    return np.array([number_of(scene, name) for name in parameters], dtype=float)
 
 
 def changed_in(scene: Scene, parameter: str, value: float) -> Scene:

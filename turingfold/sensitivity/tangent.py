@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array
-from ..checks import instance
+from ..checks import instance, whole
 from ..errors import NotConvergedError
 from ..geometry.body import by_node
 from ..parts import TimeStep
@@ -43,6 +43,11 @@ class Equilibrium:
         is no equilibrium.
         """
         instance("result", result, Result, "simulate(scene)")
+        count = len(result.states)
+        if whole("step", number, at_least=-count) >= count:
+            raise ValueError(
+                f"step={number}: the result has the states 0 to {count - 1}, or -1 for its last."
+            )
         problem, state = Problem(result.scene), result.states[number]
         if not state.time:
             raise ValueError(f"step={number} is the start, before anything has grown; choose a later state.")

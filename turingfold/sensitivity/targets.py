@@ -15,11 +15,16 @@ from ..results.surface import along_pial, mirror_line, outer_ends, pial_closed
 from ..scene import Scene
 
 FAR = 5.0  # a target this many times as large as the body, or as small, is in other units
+FEWEST = 8  # points of a target
 EVEN = 0.5  # the lesser of a target's two halves is at least this share of the other as wide
 
 
 def checked_targets(scene: Scene, targets: Mapping[float, Any]) -> dict[float, Array]:
     """Return the targets in order of age; raises ValueError for what cannot be one."""
+    if not isinstance(targets, Mapping):
+        raise ValueError(
+            f"targets is {type(targets).__name__}; give outlines by age, such as {{1.0: points}}."
+        )
     if not targets:
         raise ValueError("targets is empty; give an outline by age, such as {1.0: points}.")
     body, found = scene.body, {}
@@ -33,6 +38,8 @@ def checked_targets(scene: Scene, targets: Mapping[float, Any]) -> dict[float, A
         curve = finite_array(f"targets[{age:g}]", points, (2, None))
         if pial_closed(body) and np.array_equal(curve[:, 0], curve[:, -1]):
             curve = curve[:, :-1]
+        if curve.shape[1] < FEWEST:
+            raise ValueError(f"targets[{age:g}] has {curve.shape[1]} points; at least {FEWEST} are needed.")
         extent = float(np.ptp(curve, axis=1).max())
         ratio = extent / (2 * body.length)
         if not 1 / FAR < ratio < FAR:
