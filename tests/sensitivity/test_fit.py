@@ -21,7 +21,7 @@ from turingfold import (
     semicircle,
     simulate,
 )  # fmt: skip
-from turingfold.morphometry.distance import signed_distance
+from turingfold.morphometry.distance import Polygon
 from turingfold.results.surface import along_pial
 from turingfold.sensitivity.fit import fit
 from turingfold.sensitivity.smoothing import corner
@@ -144,7 +144,7 @@ def test_bad_targets_are_refused(targets, change, words):
 def test_distances_from_a_square_are_exact():
     square = np.array([[0.0, 2, 2, 0], [0, 0, 2, 2]])
     points = np.array([[1.0, 1.0, 1.0, 3.0, -1.0, 1.0], [0.5, -0.5, 1.9, 3.0, 1.0, 0.0]])
-    distance, gradient = signed_distance(points, square, closed=True)  # counter-clockwise: the inside is left
+    distance, gradient = Polygon(square, True).distances(points)  # counter-clockwise: the inside is left
     np.testing.assert_allclose(distance, [0.5, -0.5, 0.1, -np.sqrt(2), -1.0, 0.0], atol=1e-14)
     r = np.sqrt(0.5)
     expected = np.array([[0, 0, 0, -r, 1, 0], [1, 1, -1, -r, 0, 1]])
@@ -190,7 +190,7 @@ def test_distances_of_many_points_are_exact_in_little_memory():
     sagitta, off = np.cos(np.pi / n), rng.uniform(-0.5, 0.5, n)
     normal = np.stack([np.cos(angle + np.pi / n), np.sin(angle + np.pi / n)])[:, edge]
     tracemalloc.start()
-    distance, gradient = signed_distance((sagitta + off) * normal, circle, closed=True)
+    distance, gradient = Polygon(circle, True).distances((sagitta + off) * normal)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     np.testing.assert_allclose(distance, -off, atol=1e-13)

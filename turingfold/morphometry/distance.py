@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -42,32 +43,46 @@ class Feet:
         return np.asarray(start + self.shares * (end - start))
 
 
-def feet(points: Array, polygon: Array, *, closed: bool) -> Feet:
-    """Return where points (2, n) are nearest to a polygon (2, m).
+@dataclass(frozen=True, eq=False)
+class Polygon:
+    """A polygon with corners (2, m), whose sides are found by place."""
 
-    Beyond the ends of an open one, distance and normal are those from the line along its last side.
-    """
-    last = polygon.shape[1]
-    ahead = np.roll(np.arange(last), -1)[: last if closed else last - 1]
-    start, way = polygon[:, : len(ahead)], polygon[:, ahead] - polygon[:, : len(ahead)]
-    sides = shapely.STRtree(shapely.linestrings(np.stack([start.T, (start + way).T], axis=1)))
-    nearest = np.asarray(sides.nearest(shapely.points(points.T)), dtype=np.int64)
-    start, way = start[:, nearest], way[:, nearest]
-    length2 = np.maximum((way**2).sum(0), np.finfo(float).tiny)
-    gap, normal = points - start, np.stack([-way[1], way[0]]) / np.sqrt(length2)
-    along = (gap * way).sum(0) / length2
-    share = np.clip(along, 0.0, 1.0)
-    off = gap - share * way
-    if not closed:
-        beyond = ((nearest == 0) & (along < 0)) | ((nearest == last - 2) & (along > 1))
-        off = np.where(beyond, (gap * normal).sum(0) * normal, off)
-    size = np.hypot(*off)
-    side = np.where((off * normal).sum(0) < 0, -1.0, 1.0)
-    unit = np.where(size > 1e-12 * np.sqrt(length2), side * off / np.maximum(size, 1e-300), normal)
-    return Feet(side * size, unit, nearest, ahead[nearest], share)
+    corners: Array
+    closed: bool
 
+    @cached_property
+    def _ahead(self) -> Integers:
+        """The number of the corner at which each side ends."""
+        last = self.corners.shape[1]
+        return np.roll(np.arange(last), -1)[: last if self.closed else last - 1]
 
-def signed_distance(points: Array, polygon: Array, *, closed: bool) -> tuple[Array, Array]:
-    """Return the distances of points (2, n) from a polygon, positive on its left, and their gradients."""
-    found = feet(points, polygon, closed=closed)
-    return found.distances, found.normals
+    @cached_property
+    def _sides(self) -> shapely.STRtree:
+        start, end = self.corners[:, : len(self._ahead)], self.corners[:, self._ahead]
+        return shapely.STRtree(shapely.linestrings(np.stack([start.T, end.T], axis=1)))
+
+    def feet(self, points: Array) -> Feet:
+        """Return where points (2, n) are nearest to it.
+
+        Beyond the ends of an open one, distance and normal are those from the line along its last side.
+        """
+        nearest = np.asarray(self._sides.nearest(shapely.points(points.T)), dtype=np.int64)
+        ends = self._ahead[nearest]
+        start, way = self.corners[:, nearest], self.corners[:, ends] - self.corners[:, nearest]
+        length2 = np.maximum((way**2).sum(0), np.finfo(float).tiny)
+        gap, normal = points - start, np.stack([-way[1], way[0]]) / np.sqrt(length2)
+        along = (gap * way).sum(0) / length2
+        share = np.clip(along, 0.0, 1.0)
+        off = gap - share * way
+        if not self.closed:
+            beyond = ((nearest == 0) & (along < 0)) | ((nearest == len(self._ahead) - 1) & (along > 1))
+            off = np.where(beyond, (gap * normal).sum(0) * normal, off)
+        size = np.hypot(*off)
+        side = np.where((off * normal).sum(0) < 0, -1.0, 1.0)
+        unit = np.where(size > 1e-12 * np.sqrt(length2), side * off / np.maximum(size, 1e-300), normal)
+        return Feet(side * size, unit, nearest, ends, share)
+
+    def distances(self, points: Array) -> tuple[Array, Array]:
+        """Return the distances of points (2, n) from it, positive on its left, and their gradients (2, n)."""
+        found = self.feet(points)
+        return found.distances, found.normals

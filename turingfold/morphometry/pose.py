@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .distance import signed_distance
+from .distance import Polygon
 from .polyline import as_polyline
 
 ROUNDS = 30
@@ -61,7 +61,5 @@ def outline_distance(points: Any, target: Any, *, closed: bool | None = None) ->
     lengths = curve.lengths if curve.closed else np.append(curve.lengths, 0.0)
     shares = 0.5 * (lengths + np.roll(lengths, 1)) / curve.length
     weights = np.sqrt(shares)
-    _, found, _ = posed(
-        curve.points, weights, lambda at: signed_distance(at, other.points, closed=other.closed)
-    )
+    _, found, _ = posed(curve.points, weights, Polygon(other.points, other.closed).distances)
     return float(np.sum(np.abs(found) * weights))

@@ -21,7 +21,7 @@ from ..arrays import Array
 from ..checks import finite, instance, positive
 from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
-from ..morphometry.distance import Feet, feet, sampled, signed_distance
+from ..morphometry.distance import Feet, Polygon, sampled
 from ..morphometry.pose import posed, without_rigid
 from ..parts import TimeStep
 from ..results.surface import along_pial, pial_closed
@@ -39,7 +39,7 @@ from .standard_errors import smoothed_away, told
 from .tangent import Tangent
 from .targets import checked_targets
 
-STALLED = 1e-9  # relative decrease of the sum of squares that ends a fit
+STALLED = 1e-7  # relative decrease of the sum of squares that ends a fit: far less than noise moves it by
 EVALUATIONS = 100  # of the residuals, at most
 
 
@@ -303,11 +303,12 @@ class _Inverse:
 
         The target of a body that nothing supports is first laid on it; of another one, nothing is, (n, 0).
         """
-        points, weights, closed = self.targets[age], self._weights(age), pial_closed(self.scene.body)
-        surface, rigid = self._pial(x), np.zeros((points.shape[1], 0))
+        points, weights = self.targets[age], self._weights(age)
+        surface = Polygon(self._pial(x), pial_closed(self.scene.body))
+        rigid = np.zeros((points.shape[1], 0))
         if self.scene.body.supported.size == 0:
-            points, _, rigid = posed(points, weights, lambda at: signed_distance(at, surface, closed=closed))
-        found = feet(points, surface, closed=closed)
+            points, _, rigid = posed(points, weights, surface.distances)
+        found = surface.feet(points)
         return found, found.distances * weights, rigid
 
     def _weights(self, age: float) -> Array:
