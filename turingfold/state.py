@@ -29,6 +29,10 @@ class State:
             if isinstance(values, np.ndarray):
                 values.flags.writeable = False
 
+    def __repr__(self) -> str:
+        """Return it in a line; the arrays would fill pages."""
+        return f"State(t = {self.time:.6g}, with {', '.join(self.fields) or 'no fields'})"
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what a copy is made of: the view of the fields itself cannot be pickled."""
         return State, (self.time, dict(self.fields))

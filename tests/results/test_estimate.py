@@ -160,7 +160,8 @@ def test_a_motion_says_why_it_has_none():
 
 @pytest.mark.parametrize(("number", "error", "words"), [
     (1.4371, 0.0261, "1.44 ± 0.03"), (1.4371, 0.0032, "1.437 ± 0.003"), (12.3, 3.2, "12 ± 3"),
-    (1.4371, None, "1.44"), (1.4371, 0.0, "1.44"), (1.4371, 3e-6, "1.4371"), (0.5, 0.0098, "0.50 ± 0.01"),
+    (1.4371, None, "1.44 ± ?"), (1.4371, float("nan"), "1.44 ± ?"), (1.4371, 0.0, "1.44"),
+    (1.4371, 3e-6, "1.4371 ± 0.0001"), (0.5, 0.0098, "0.50 ± 0.01"), (1.4371, 12.0, "1 ± 12"),
 ])  # fmt: skip
 def test_numbers_are_told_with_their_error(number, error, words):
     assert with_error(number, error) == words

@@ -34,7 +34,7 @@ RUN = re.compile(r"\d{8}-\d{6}-[0-9a-f]{6}")
 SHOWN = 300  # runs in the list, the newest
 PATIENCE = 20  # s that an interrupted run has to write down where it stands
 TAIL = 4000  # bytes of what a run printed that are read
-NUMBERS = ("gyrification_index", "folds", "sulcal_depth", "energy", "growth")
+NUMBERS = ("time", "gyrification_index", "folds", "sulcal_depth", "energy", "growth")
 
 
 class UnknownRunError(LookupError):

@@ -22,7 +22,7 @@ from ..errors import SolveError
 from ..models.declared import Declared, declared, nearest, values_of
 from ..results.result import Result
 from ..scene import Scene
-from .files import shipped, title
+from .files import shipped, short, title
 
 # what a mistake in a case raises, apart from ValueError, which already says what is wrong; SystemExit would
 # end the program as if all had been done
@@ -50,6 +50,11 @@ class Case:
     def name(self) -> str:
         """Name of the file, which its results and its figure have too."""
         return self.path.stem
+
+    @property
+    def shown(self) -> str:
+        """How messages name it."""
+        return short(self.path)
 
     @property
     def title(self) -> str:
@@ -87,10 +92,11 @@ class Case:
         with explained(self.path):
             found = self.module.scenes(quick=quick, **given)
         if not isinstance(found, dict) or not found:
-            raise ValueError(f"{self.path}: scenes() must return a dict with at least one Scene; {EXPECTED}.")
+            wrong = "scenes() must return a dict with at least one Scene"
+            raise ValueError(f"{self.shown}: {wrong}; {EXPECTED}.")
         for name, scene in found.items():
             if not isinstance(name, str) or not isinstance(scene, Scene):
-                raise ValueError(f"{self.path}: scenes() has {name!r}: {type(scene).__name__}; {EXPECTED}.")
+                raise ValueError(f"{self.shown}: scenes() has {name!r}: {type(scene).__name__}; {EXPECTED}.")
         check_apart(found, self.path)
         return found
 
@@ -158,7 +164,7 @@ def load_case(path: Path) -> Case:
     text = path.read_bytes() if path.is_file() else b""
     module = _module(path, f"turingfold_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}")
     if not callable(getattr(module, "scenes", None)):
-        raise ValueError(f"{path} has no function scenes; {EXPECTED}.")
+        raise ValueError(f"{short(path)} has no function scenes; {EXPECTED}.")
     return Case(path, module, sha256(text).hexdigest())
 
 
@@ -166,7 +172,7 @@ def _module(path: Path, name: str) -> ModuleType:
     """Run a Python file as a module of that name."""
     spec = spec_from_file_location(name, path, loader=_Uncached(name, str(path)))
     if path.suffix != ".py" or spec is None or spec.loader is None:
-        raise ValueError(f"{path} is no Python file; {EXPECTED}.")
+        raise ValueError(f"{short(path)} is no Python file; {EXPECTED}.")
     module = module_from_spec(spec)
     sys.modules[name] = module
     beside = str(path.resolve().parent)
@@ -201,8 +207,8 @@ def check_apart(names: Collection[str], path: Path) -> None:
         other = seen.setdefault(folder_name(name).casefold(), name)
         if other != name:
             raise ValueError(
-                f"{path}: the scenes {other!r} and {name!r} would have one folder, {folder_name(name)}; "
-                "names must differ in letters or digits, and not only in capitals."
+                f"{short(path)}: the scenes {other!r} and {name!r} would have one folder, "
+                f"{folder_name(name)}; names must differ in letters or digits, and not only in capitals."
             )
 
 
@@ -237,4 +243,4 @@ def _place(path: Path, error: BaseException) -> str:
     frames = traceback.extract_tb(error.__traceback__)
     lines = [frame.lineno for frame in frames if Path(frame.filename).resolve() == path.resolve()]
     line = error.lineno if isinstance(error, SyntaxError) else (lines or [None])[-1]
-    return f"{path}, line {line}" if line else str(path)
+    return f"{short(path)}, line {line}" if line else short(path)

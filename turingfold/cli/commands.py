@@ -135,7 +135,7 @@ def _animate(options: argparse.Namespace) -> int:
 def _list(options: argparse.Namespace) -> int:
     from .listing import listing
 
-    return listing(options.cases)
+    return listing(options.cases, parts=options.parts)
 
 
 def _new(options: argparse.Namespace) -> int:

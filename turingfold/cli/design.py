@@ -209,7 +209,7 @@ def _first(
 def _chosen(case: Case, scenes: Mapping[str, Scene], only: Sequence[str]) -> list[str]:
     if unknown := [name for name in only if name not in scenes]:
         known = ", ".join(map(repr, scenes))
-        raise ValueError(f"{case.path} has no scene {unknown[0]!r}; it has: {known}.")
+        raise ValueError(f"{case.shown} has no scene {unknown[0]!r}; it has: {known}.")
     return [name for name in scenes if not only or name in only]
 
 

@@ -22,6 +22,14 @@ def case_files(folder: Path) -> list[Path]:
     return [file for file in sorted(folder.glob("*.py")) if marked.search(file.read_bytes())]
 
 
+def short(path: Path) -> str:
+    """Return how messages name a file: a case that comes with the package by its name, others from here."""
+    if shipped().get(path.stem) == path:
+        return path.stem
+    here = Path.cwd()
+    return str(path.relative_to(here) if path.is_relative_to(here) else path)
+
+
 def title(text: str | None) -> str:
     """Return the first paragraph of a docstring as one line."""
     return " ".join((text or "").strip().partition("\n\n")[0].split())

@@ -63,7 +63,7 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
     plan = planned(case, request)
     if len(plan) > 1:
         names = ", ".join(one.name for one in plan)
-        raise ValueError(f"{case.path} has the scenes {names}; choose one with --only.")
+        raise ValueError(f"{case.shown} has the scenes {names}; choose one with --only.")
     (one,) = plan
     to = expanded(one.scene, asked.to)
     targets = {_time(time): outline(Path(file), asked.unit, case.known) for time, file in asked.targets}
@@ -211,8 +211,7 @@ def _rows(found: Fit, *, si: bool = False) -> list[tuple[str, str, float, float]
 
 
 def _told(found: Fit) -> str:
-    width = max(len(name) for name in found.parameters)
-    lines = [f"{name:<{width}} {value:>12.6g} ± {error:.2g}" for name, _, value, error in _rows(found)]
+    lines = found.lines()
     lines += [f"misfit at {time:g}: {size:.3g} m" for time, size in found.misfits.items()]
     told, all_ = found.distinct, len(found.parameters)
     lines.append(f"the outlines tell {told} of {all_} combinations of the parameters apart; {found.message}")

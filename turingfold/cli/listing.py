@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,13 +12,16 @@ from .files import case_files, shipped, title_of
 from .status import BAD_INPUT, WIDTH, complain, say
 
 if TYPE_CHECKING:
+    from ..scene import Scene
     from .case import Case
 
 NARROWEST = 40  # letters of a line
 
 
-def listing(given: Sequence[str]) -> int:
+def listing(given: Sequence[str], *, parts: bool = False) -> int:
     """Print titles of cases, of those that are named also parameters and scenes; return the exit status.
+
+    parts: whether also every value of the parts of the scenes that --set and --vary take.
 
     given: names, files, or folders; without any the cases of the package and of the current folder. What a
     case needs and does not find is said and no failure; a mistake in a case is, after all others are listed.
@@ -28,10 +31,10 @@ def listing(given: Sequence[str]) -> int:
         status = max((_tell(name, path) for name, path in files.items()), default=0)
         say("\nturingfold list CASE: its parameters and scenes.  turingfold run CASE: run it.")
         return status
-    return max(status for text in given for status in _listed(text))
+    return max(status for text in given for status in _listed(text, parts=parts))
 
 
-def _listed(text: str) -> list[int]:
+def _listed(text: str, *, parts: bool) -> list[int]:
     if Path(text).is_dir():
         if not (found := case_files(Path(text))):
             raise ValueError(f"{text} holds no case files (*.py with a function scenes).")
@@ -40,9 +43,11 @@ def _listed(text: str) -> list[int]:
 
     try:
         case = find_case(text)
-        _say(f"{case.path}: {case.title}", indent=4)
+        _say(f"{case.shown}: {case.title}", indent=4)
         _say_parameters(case)
-        _say_scenes(case)
+        scenes = _say_scenes(case)
+        if parts:
+            _say_parts(scenes)
     except ValueError as error:  # the other cases are listed all the same
         complain(str(error))
         return [BAD_INPUT]
@@ -66,7 +71,7 @@ def _say(text: str, *, indent: int, first: str = "") -> None:
     say(textwrap.fill(text, width, initial_indent=first, **options))  # type: ignore[arg-type]
 
 
-def _say_scenes(case: Case) -> None:
+def _say_scenes(case: Case) -> dict[str, Scene]:
     import warnings
 
     from ..results.simulate import CoarseMeshWarning
@@ -74,13 +79,28 @@ def _say_scenes(case: Case) -> None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", CoarseMeshWarning)  # of a case that runs some of its scenes
-            names = list(case.scenes({}, quick=True))
+            found = case.scenes({}, quick=True)
     except FileNotFoundError as error:
         _say(f"(needs a file that is not here: {error.strerror or error})", indent=4, first="    ")
-        return
+        return {}
     say("  scenes:")
-    for name in names:
+    for name in found:
         say(f"    {name}")
+    return found
+
+
+def _say_parts(scenes: Mapping[str, Scene]) -> None:
+    """Print the values of parts, each once; of those that not all scenes have, which ones do."""
+    from ..models.declared import as_text
+    from ..studies.sweep import settable
+
+    values = {name: settable(scene) for name, scene in scenes.items()}
+    say("  parts:")
+    for part in dict.fromkeys(part for own in values.values() for part in own):
+        have = [name for name, own in values.items() if part in own]
+        some = "" if len(have) == len(scenes) else f"  (of {', '.join(have)})"
+        shown = dict.fromkeys(as_text(values[name][part]) for name in have)
+        _say(f"--set {part}={' or '.join(shown)}{some}", indent=6, first="    ")
 
 
 def _say_parameters(case: Case) -> None:

@@ -176,6 +176,9 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
 
     names = commands.add_parser("list", parents=[common], help="name cases, their scenes and parameters")
     names.add_argument("cases", nargs="*", metavar="CASE", help="names, files or folders (all)")
+    names.add_argument(
+        "--parts", action="store_true", help="also the values of the parts of their scenes that --set takes"
+    )
     names.set_defaults(command="list")
 
     new = commands.add_parser("new", parents=[common], help="a case file of your own, from another")

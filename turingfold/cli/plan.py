@@ -51,7 +51,7 @@ def planned(case: Case, request: Request) -> list[Planned]:
     check_apart(every, case.path)
     if unknown := [name for name in request.only if name not in every]:
         names = ", ".join(map(repr, every))
-        raise ValueError(f"{case.path} has no scene {unknown[0]!r}; it has: {names}.")
+        raise ValueError(f"{case.shown} has no scene {unknown[0]!r}; it has: {names}.")
     provenance = case.provenance(own, quick=request.quick)
     provenance |= {"scenes": list(every), "command": request.words()}
     if parts:

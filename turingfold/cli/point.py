@@ -21,6 +21,7 @@ from ..results.simulate import FRAMES, StoppedError, simulate
 from ..scene import Scene
 from ..studies.sweep import with_value
 from .case import Case, load_case
+from .files import short
 from .outcome import Outcome
 from .request import Running
 
@@ -115,7 +116,8 @@ class Maker:
         if case is None or case.path != point.case:
             case = load_case(point.case)
         if case.sha256 != point.sha256:
-            raise ChangedCaseError(f"{point.case} was changed since the study began; begin another one.")
+            changed = f"{short(point.case)} was changed since the study began"
+            raise ChangedCaseError(f"{changed}; begin another one.")
         every = self.scenes(case, point.given, quick=point.quick)
         if tuple(every) != point.every:
             raise ValueError(

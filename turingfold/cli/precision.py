@@ -92,7 +92,7 @@ def _check(case: Case, request: Request, running: Running) -> None:
     """Raise ValueError for a case and for options that leave nothing to choose or to judge by."""
     if ELEMENTS not in case.parameters:
         raise ValueError(
-            f"--accuracy chooses the parameter {ELEMENTS!r}, and {case.path} has none (it has: "
+            f"--accuracy chooses the parameter {ELEMENTS!r}, and {case.shown} has none (it has: "
             f"{', '.join(case.parameters) or 'no parameters'}); give its scenes {ELEMENTS}=, or leave "
             "--accuracy out."
         )
@@ -109,7 +109,7 @@ def _refuse_motion(case: Case, plan: Sequence[Planned]) -> None:
         for term in one.scene.terms:
             if term.resists_motion:
                 raise ValueError(
-                    f"{case.path}, scene {one.name!r}: --accuracy needs estimated errors of the mesh, which "
+                    f"{case.shown}, scene {one.name!r}: --accuracy needs estimated errors of the mesh, which "
                     f"motions ({type(term).__name__}) have none of; see turingfold accuracy."
                 )
 
@@ -134,8 +134,8 @@ def _trial(elements: float, shorter: float, plan: Sequence[Planned], case: Case,
             if not summary[errors]:
                 why = summary[f"no_{errors}"]
                 raise ValueError(
-                    f"{case.path}, scene {one.name!r}, {ELEMENTS}={elements:g}: --accuracy finds no estimate "
-                    f"of its errors: {why}; leave --accuracy out, or set {ELEMENTS} by hand."
+                    f"{case.shown}, scene {one.name!r}, {ELEMENTS}={elements:g}: --accuracy finds no "
+                    f"estimate of its errors: {why}; leave --accuracy out, or set {ELEMENTS} by hand."
                 )
         for name, error in summary["errors"].items():
             if value := summary[name]:

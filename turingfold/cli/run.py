@@ -151,7 +151,7 @@ def outcomes(case: Case, plan: Sequence[Planned], request: Request, running: Run
             document, _ = stored(job.scene, job.provenance)
             check_folder(job.folder, document, resume=running.resume, overwrite=running.overwrite)
         except ValueError as error:
-            raise ValueError(f"{case.path}, scene {job.name!r}: {error}") from error
+            raise ValueError(f"{case.shown}, scene {job.name!r}: {error}") from error
     scenes = {job.name: job.scene for job in jobs if job.scene is not None}
     few = min((scene.body.elements_through_cortex for scene in scenes.values()), default=float("inf"))
     if words := coarseness(few, finer(case, request)):
@@ -183,7 +183,7 @@ def finished(ends: Sequence[Outcome], case: Case, request: Request) -> int:
     """Say what did not end as asked, and how to go on; return the exit status."""
     for end in ends:
         if end.status == "refused":
-            complain(f"{case.path}, scene {end.name!r}: {end.message}")
+            complain(f"{case.shown}, scene {end.name!r}: {end.message}")
         elif end.status == "killed":
             again = request.with_only([end.name] if request.command[0] == "run" else request.only)
             complain(f"{end.name}: {end.message} Go on with: {again.words('--resume')}")
@@ -241,5 +241,5 @@ def drawn(case: Case, results: dict[str, Result], request: Request, *, apart: bo
 def _drawing(case: Case) -> Callable[..., object]:
     """Return the function of a case that draws; raises ValueError for one without."""
     if case.draw is None:
-        raise ValueError(f"{case.path} has no function draw(results, figure), so it has no figure.")
+        raise ValueError(f"{case.shown} has no function draw(results, figure), so it has no figure.")
     return case.draw

@@ -6,14 +6,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..figures.sections import areas
 from ..figures.style import sulci
 from ..results.result import Result
-from ..results.surface import pial_closed
 from ..results.units import length_unit, with_error
-from ..turing.modes import sign_changes
 from .case import folder_name
 
 LENGTH = {"perimeter": "pial length"}
@@ -29,23 +25,28 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     if len(results) != 1:
         width = max(map(len, results), default=0)
         for name, s in summaries.items():
+            end = results[name].unfinished
+            end = f"{end.replace(s['status'], s['status'].upper(), 1)}:  " if end else ""
             yield (
-                f"{name:<{width}}  growth {s['growth']:.2f}  {sulci(s['folds']):>9}  gyrification "
-                f"{_index(s, results[name])}  {_gyri(s['registration'])}  {s['steps']} steps, "
-                f"{s['seconds']:.0f} s{'' if s['converged'] else '  ' + s['status'].upper()}"
+                f"{name:<{width}}  {end}growth {s['growth']:.2f}  "
+                f"{sulci(s['folds']):>9}  gyrification {_index(s, results[name])}  "
+                f"{_gyri(s['registration'])}  {s['steps']} steps, {s['seconds']:.0f} s"
                 f"{'  ' + words if (words := _stability(s)) else ''}"
             )
         yield f"results: {base}"
         return
     name, s = next(iter(summaries.items()))
     end = results[name].unfinished or "reached the end"
+    if results[name].unfinished:
+        yield f"NOT FINISHED: all numbers are of t = {s['time']:.6g} of {results[name].scene.until:.6g}"
     yield (
         f"{case}, {name}: {end} at largest growth {s['growth']:.2f} in {s['seconds']:.0f} s "
         f"({s['steps']} steps, {s['newton_iterations']} Newton iterations, {s['dofs']} unknowns)"
     )
     unit, word = length_unit(results[name].scene.body)
     thickness = " (T: cortical thickness)" if word == "T" else ""
-    depth = with_error(s["sulcal_depth"] / unit, (results[name].error("sulcal_depth") or 0.0) / unit)
+    off = results[name].error("sulcal_depth")
+    depth = with_error(s["sulcal_depth"] / unit, None if off is None else off / unit)
     deep = f", {depth} {word} deep on average{thickness}" if s["folds"] else ""
     hull, closed = s["gyrification_index"], s["closed_gyrification_index"]
     index = f"gyrification index {_index(s, results[name])}"
@@ -59,6 +60,8 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         steps = _errors(s, "step_errors")
         steps = "none, but where there are several equilibria they choose one" if steps == "none" else steps
         yield f"errors of the mesh, estimated: {mesh}{inside}; of the steps: {steps}"
+    else:
+        yield "errors of mesh and steps: not estimated"
     gap = "no contact"
     if s["min_gap"] is not None:
         gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
@@ -68,7 +71,8 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
     if words := _stability(s):
         yield f"equilibria: {words}"
-    yield f"pattern: {_half_waves(results[name])}{_gyri(s['registration'])}{_chance(s)}"
+    waves = "" if s["pattern_half_waves"] is None else f"{s['pattern_half_waves']} half waves, "
+    yield f"pattern: {waves}{_gyri(s['registration'])}{_chance(s)}"
     yield f"grown: {areas(results[name])}"
     yield f"results: {base / folder_name(name)}"
 
@@ -106,16 +110,6 @@ def _stability(s: Mapping[str, Any]) -> str:
     if s["damped_steps"]:
         words.append(f"{s['damped_steps']} of {s['steps']} damped, where walls met")
     return "; ".join(words)
-
-
-def _half_waves(result: Result) -> str:
-    """Return of how many half waves the pattern is along the pial surface, or nothing without one."""
-    pattern = result.pattern() if len(result.scene.body.pial_paths) == 1 else None
-    if pattern is None or not np.ptp(pattern):
-        return ""
-    changes = sign_changes(pattern - pattern.mean())
-    closed = pial_closed(result.scene.body)
-    return f"{changes + (changes % 2 if closed else 0)} half waves, "
 
 
 def _chance(s: Mapping[str, Any]) -> str:

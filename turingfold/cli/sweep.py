@@ -227,7 +227,8 @@ def _line(end: Outcome) -> str:
     if not end.summary:
         return f"{end.name}: {end.status}"
     shape = f"{sulci(end.summary['folds'])}, gyrification {end.summary['gyrification_index']:.2f}"
-    return f"{end.name}: {end.status} at growth {end.summary['growth']:.2f}, {shape}"
+    when = "" if end.status == "converged" else f" at t = {end.summary['time']:.6g}"
+    return f"{end.name}: {end.status}{when} at growth {end.summary['growth']:.2f}, {shape}"
 
 
 def _finish(

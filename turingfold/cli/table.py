@@ -27,7 +27,7 @@ def write_case_table(case: Case, results: Mapping[str, Result], base: Path) -> P
     with explained(case.path):
         rows: Any = case.table(dict(results))
     if not rows or not all(isinstance(row, dict) and row.keys() == rows[0].keys() for row in rows):
-        raise ValueError(f"{case.path}: table(results) must return a list of dicts with the same keys.")
+        raise ValueError(f"{case.shown}: table(results) must return a list of dicts with the same keys.")
     columns = list(rows[0])
     write_table(base / FILES[0], columns, (row.values() for row in rows))
     write_whole(base / FILES[1], as_markdown(columns, rows).encode())

@@ -68,7 +68,10 @@ def before(axes: Axes, result: Result) -> None:
 
 
 def numbers(result: Result, step: int = -1) -> str:
-    """Return fold count, gyrification index and mean sulcal depth, in units of the thickness, as one line."""
+    """Return fold count, gyrification index and mean sulcal depth, in units of the thickness, as one line.
+
+    Above it, of the end of a run that stopped, that and where.
+    """
     from ..morphometry.folds import find_folds
     from ..morphometry.shape import gyrification_index
 
@@ -77,8 +80,10 @@ def numbers(result: Result, step: int = -1) -> str:
     folds = find_folds(pial, thickness=T, closed=closed)
     index = gyrification_index(pial, closed=closed)
     depth = f", depth {folds.depth / T:.1f} T" if folds.count else ""
-    off = result.error("gyrification_index") if result.states[step] is result.last else None
-    return f"{sulci(folds.count)}, GI {with_error(index, off)}{depth}"
+    last = result.states[step] is result.last
+    off = result.error("gyrification_index") if last else None
+    stopped = f"{result.unfinished}\n" if last and result.unfinished else ""
+    return f"{stopped}{sulci(folds.count)}, GI {with_error(index, off)}{depth}"
 
 
 def grid(

@@ -256,10 +256,10 @@ def folding(figure: Figure, result: Result, *, term: Term | None = None) -> None
 
 
 def measures(result: Result) -> str:
-    """Return growth, sulci, gyrification index and registration as one line."""
+    """Return growth, sulci, gyrification index and registration as one line; first, where a run stopped."""
     s = result.summary()
-    age = result.label()
-    words = [*([age] if age else []), f"growth {s['growth']:.2f}", sulci(s["folds"])]
+    words = [word for word in (result.unfinished, result.label()) if word]
+    words += [f"growth {s['growth']:.2f}", sulci(s["folds"])]
     index = with_error(s["gyrification_index"], result.error("gyrification_index"))
     words.append(f"gyrification index {index}")
     if s["registration"] is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
 
@@ -11,25 +11,29 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..geometry.body import Body
 from ..state import State
-from .units import length_unit
+from .units import length_unit, with_error
 
 WIDTH = 360  # of the picture, px
 MARGIN = 0.02  # of its width
 CORE, CORTEX, INK = "#f3e9dc", "#b9887f", "#3b2626"
 
 
-def as_html(body: Body, state: State, s: Mapping[str, Any], end: str) -> str:
+def as_html(
+    body: Body, state: State, s: Mapping[str, Any], end: str, error: Callable[[str], float | None]
+) -> str:
     """Return the picture of a state, and the numbers of its summary.
 
-    end: how the run ended, in words.
+    end: how the run ended, in words.  error: of a number, by name; None where nothing tells it.
     """
     unit, word = length_unit(body)
-    depth = f"{s['sulcal_depth'] / unit:.2f} {word}" if s["folds"] else "-"
+    off = error("sulcal_depth")
+    depth = with_error(s["sulcal_depth"] / unit, None if off is None else off / unit)
+    depth = f"{depth} {word}" if s["folds"] else "-"
     rows = {
         "run": f"{end}, in {s['seconds']:.3g} s and {s['steps']} steps",
         "growth": f"{s['growth']:.3f}",
         "sulci": f"{s['folds']}, {depth} deep",
-        "gyrification index": f"{s['gyrification_index']:.3f}",
+        "gyrification index": with_error(s["gyrification_index"], error("gyrification_index")),
         "registration": "no pattern" if s["registration"] is None else f"{s['registration']:+.2f}",
         "area over that at rest": f"{s['area_growth']:.3f}",
         "smallest J*": "-" if s["min_jacobian"] is None else f"{s['min_jacobian']:.3f}",

@@ -99,7 +99,7 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
     sulcal_depth: mean, m, of the sulci that are at least least_fold_depth, m, deep and still there after
     averaging along fold_smoothing, m.  mirror_error: m, None for a body that is not its own mirror image.
     registration, registration_p: with the pattern, and the share of the pattern's phases that register as
-    well or better; None without a pattern.
+    well or better; pattern_half_waves: along the pial surface; None without a pattern.
     Of a pial surface in several parts see `_numbers_of_parts`.
     """
     if len(body.pial_paths) > 1:
@@ -133,7 +133,18 @@ def fold_numbers(body: Body, state: State) -> dict[str, float | None]:
         "mirror_error": mirror_error(pial) if symmetric else None,
         "registration": None if found is None else found.value,
         "registration_p": None if found is None else found.p,
+        "pattern_half_waves": None if pattern is None else _half_waves(pattern, closed=closed),
     }
+
+
+def _half_waves(pattern: Array, *, closed: bool) -> int | None:
+    """Return of how many half waves a pattern is, by its changes of sign about the mean; None of none."""
+    from ..turing.modes import sign_changes
+
+    if not np.ptp(pattern):
+        return None
+    changes = sign_changes(pattern - pattern.mean())
+    return changes + (changes % 2 if closed else 0)
 
 
 def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
@@ -159,6 +170,7 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
         "mirror_error": None,
         "registration": None,
         "registration_p": None,
+        "pattern_half_waves": None,
     }
 
 

@@ -87,7 +87,7 @@ class Result:
         from .html import as_html
 
         end = self.unfinished or f"reached the end, t = {self.last.time:.4g}"
-        return as_html(self.scene.body, self.last, self.summary(), end)
+        return as_html(self.scene.body, self.last, self.summary(), end, self.error)
 
     def plot(self, step: int = -1, *, field: str = "von_mises") -> Figure:
         """Return a figure of a state, coloured by a field; `figures` has functions that draw on given axes.
@@ -98,10 +98,11 @@ class Result:
 
         from turingfold import figures  # a picture is no part of a result: as a caller would draw it
 
-        self._state(step)
+        state = self._state(step)
         figure = Figure(figsize=(8, 5), layout="constrained")
         figures.section(axes := figure.add_subplot(), self, step, field=field)
-        axes.set_title(self.unfinished or figures.measures(self), fontsize=10)
+        on_the_way = f"t = {state.time:.4g}, growth {largest_growth(state):.2f}"
+        axes.set_title(figures.measures(self) if state is self.last else on_the_way, fontsize=10)
         return figure
 
     def to_meshio(self, step: int | State = -1) -> meshio.Mesh:
@@ -165,7 +166,7 @@ class Result:
         return [moved[:, path.nodes] for path in body.pial_paths]
 
     def at(
-        self, *, time: float | None = None, week: float | None = None, day: float | None = None,
+        self, time: float | None = None, *, week: float | None = None, day: float | None = None,
         exact: bool | None = None,
     ) -> State:  # fmt: skip
         """Return the state nearest to a time; `pial`, `pattern` and `observe` take it in place of a step.

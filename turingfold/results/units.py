@@ -11,7 +11,7 @@ BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in unit
 UNITS_THEMSELVES = ("seconds",)
 LENGTHS = ("displacement", "min_gap")
 ENERGIES = ("energy", "kinetic_energy", "drag_work", "damping_work")
-UNSEEN = 1e-4  # smaller errors do not show in four decimals
+UNSEEN = 1e-4  # smaller errors do not show in four decimals; they are said to be that
 STRESSES = ("von_mises", "pressure", "contact_pressure", "cauchy_stress")
 PARAMETERS = {  # of parts, by the end of their names
     "mu": "Pa", "kappa": "Pa", "Body.thickness": "m", "Inertia.density": "kg/m³", "ActiveStress.stress": "Pa",
@@ -68,10 +68,15 @@ def parameter_unit(name: str) -> str:
 
 
 def with_error(number: float, error: float | None) -> str:
-    """Return a number with its error, to the first digit of that; with two decimals where there is none."""
-    if not error or not math.isfinite(error):
+    """Return a number with its error, to the first digit of that: "1.44 ± 0.03".
+
+    error: None where nothing tells it, "1.44 ± ?"; 0 of a number that has none, "1.44".
+    """
+    if error is None or not math.isfinite(error):
+        return f"{number:.2f} ± ?"
+    if error == 0:
         return f"{number:.2f}"
     if error < UNSEEN:
-        return f"{number:.4f}"
+        return f"{number:.4f} ± {UNSEEN:.4f}"
     decimals = max(0, -math.floor(math.log10(1.05 * error)))
     return f"{number:.{decimals}f} ± {error:.{decimals}f}"

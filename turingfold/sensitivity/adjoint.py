@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array
 from ..results.result import Result
 from .measures import MEASURES, Measure, gradient_of, measures_of, numbers_at
-from .parameters import values_in
+from .parameters import counted, values_in
 from .tangent import Equilibrium
 
 
@@ -37,6 +37,11 @@ class AdjointSensitivity:
     errors: Array
     jumps: Array
     negative_pivots: int
+
+    def __repr__(self) -> str:
+        """Return it in a line; the arrays would fill pages."""
+        to = f"{counted(self.parameters)} and to forces" if self.parameters else "forces"
+        return f"AdjointSensitivity(of {', '.join(self.measures)} to {to})"
 
 
 def adjoint_sensitivity(

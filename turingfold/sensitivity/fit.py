@@ -43,6 +43,8 @@ STALLED = 1e-7  # relative decrease of the sum of squares that ends a fit: far l
 EVALUATIONS = 100  # of the residuals, at most
 
 
+SHOWN = 8  # parameters that are named where a fit is printed
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """Fitted parameters.
@@ -70,6 +72,24 @@ class Fit:
     smoothness: float
     outlines: dict[float, Array]
     remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        """Return it in lines, a line for each parameter; the arrays would fill pages."""
+        names = [f"  {text}" for text in self.lines()[:SHOWN]]
+        more = len(self.parameters) - len(names)
+        misfit = max(self.misfits.values())
+        told = f"{self.distinct} of {len(self.parameters)} combinations told, misfit up to {misfit:.3g} m"
+        return "\n".join([f"Fit({told})", *names, *([f"  ... and {more} more"] if more > 0 else [])])
+
+    def lines(self) -> list[str]:
+        """Return a line for each parameter: its value and its standard error."""
+        width = max(len(name) for name in self.parameters)
+        rows = zip(self.parameters, self.values, self.deviations, strict=True)
+        return [
+            f"{name:<{width}} {value:>12.6g} ± "
+            f"{f'{error:.2g}' if np.isfinite(error) else '? (the outlines do not tell it)'}"
+            for name, value, error in rows
+        ]
 
 
 def fit(

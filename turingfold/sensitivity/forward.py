@@ -16,7 +16,7 @@ from ..arrays import Array
 from ..checks import finite_array
 from ..results.result import Result
 from .measures import MEASURES, Measure, measures_of, numbers_at, rate_along
-from .parameters import values_in
+from .parameters import counted, values_in
 from .tangent import Equilibrium
 from .validity import MISSED, range_of
 
@@ -46,6 +46,10 @@ class Sensitivity:
     negative_pivots: int
     ranges: Array
     stability: float
+
+    def __repr__(self) -> str:
+        """Return it in a line; `text()` is the table."""
+        return f"Sensitivity(of {', '.join(self.measures)} to {counted(self.parameters)})"
 
     def of(self, measure: str, parameter: str) -> float:
         """Return one derivative."""

@@ -17,6 +17,12 @@ THICKNESS = "Body.thickness"
 STEP = 1e-3  # change of a parameter in differences, relative to it
 CENTRAL = (-1.0, -0.5, 0.0, 0.5, 1.0)  # where it is put, in such steps
 FORWARD = (0.0, 0.5, 1.0, 1.5, 2.0)  # the same at a limit of its part
+FEW = 4  # parameters that are named in a line
+
+
+def counted(parameters: Sequence[str]) -> str:
+    """Return parameters by name, many of them by number."""
+    return ", ".join(parameters) if len(parameters) <= FEW else f"{len(parameters)} parameters"
 
 
 def number_of(scene: Scene, parameter: str) -> float:

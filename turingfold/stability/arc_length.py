@@ -52,6 +52,11 @@ class PathPoint:
     residual: float
     negative_pivots: int
 
+    def __repr__(self) -> str:
+        """Return it in a line; the state would fill pages."""
+        kind = f"unstable, {self.negative_pivots} negative pivots" if self.negative_pivots else "stable"
+        return f"PathPoint(t = {self.time:.4g}, growth {self.growth:.4f}, {kind})"
+
     @property
     def time(self) -> float:
         """Time in the scene's units."""
@@ -63,6 +68,12 @@ class EquilibriumPath:
     """Points in the order in which they were found."""
 
     points: tuple[PathPoint, ...]
+
+    def __repr__(self) -> str:
+        """Return it in a line; the states would fill pages."""
+        turns = ", ".join(f"{time:.4g}" for time in self.limit_points) or "none"
+        end = f", to t = {self.points[-1].time:.4g}" if self.points else ""
+        return f"EquilibriumPath({len(self.points)} points{end}, limit points at t: {turns})"
 
     def of(self, name: str) -> Array:
         """Return a number of each point by its name, such as "time" or "energy", (n_points,)."""

@@ -26,6 +26,7 @@ NUMBERS = {
     "sulcal_depth": Column("mean depth of sulci", "m"),
     "registration": Column("registration with the pattern"),
     "registration_p": Column("share of phases that register as well"),
+    "pattern_half_waves": Column("half waves of the pattern"),
     "energy": Column("energy", "J/m"),
     "min_jacobian": Column("smallest elastic volume ratio"),
     "self_intersections": Column("crossings of the boundary"),

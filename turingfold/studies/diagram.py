@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 BANDS = ((5, 95), (25, 75))  # percentiles
 FEW = 12  # different values of x that are each a place of their own; more are put into bins
 LEVELS = 24  # whole numbers that are told apart by their colours
+TICKS = (9, 14)  # numbers that have room along x and along y
+LETTERS = 36  # of the words along x that have room side by side
 MISSING = "#d55e00"
 
 
@@ -85,7 +87,7 @@ def phase_diagram(axes: Axes, x: Values, y: Values, colour: Values) -> None:
     _name(axes, x, y)
     bar = axes.figure.colorbar(colors, ax=axes, label=colour.heading)
     if isinstance(norm, BoundaryNorm):
-        bar.set_ticks(np.unique(shown[shown == np.round(shown)]).tolist())
+        bar.set_ticks(_apart(np.unique(shown[shown == np.round(shown)]), TICKS[1]).tolist())
 
 
 def bands(axes: Axes, x: Values, y: Values) -> None:
@@ -131,8 +133,26 @@ def _edges(middles: Array) -> Array:
 def _name(axes: Axes, x: Values, y: Values) -> None:
     """Write what the axes show, with the places of words and of the few values of a grid."""
     axes.set(xlabel=x.heading, ylabel=y.heading)
-    for values, ticks in ((x, axes.set_xticks), (y, axes.set_yticks)):
+    for values, ticks, most in zip((x, y), (axes.set_xticks, axes.set_yticks), TICKS, strict=True):
         if values.words:
             ticks(range(len(values.words)), values.words)
         elif len(places := np.unique(values.numbers[np.isfinite(values.numbers)])) <= FEW:
-            ticks(places, [f"{place:.3g}" for place in places])
+            some = _apart(places, most)
+            ticks(some, [f"{place:.3g}" for place in some])
+    if sum(map(len, x.words)) > LETTERS:
+        axes.tick_params(axis="x", labelrotation=30)
+        for label in axes.get_xticklabels():
+            label.set_horizontalalignment("right")
+
+
+def _apart(places: Array, most: int) -> Array:
+    """Return the first of sorted places, the last, and those between that leave room for numbers.
+
+    most: how many numbers have room side by side.
+    """
+    gap = np.ptp(places) / (most - 1) * (1 - 1e-9)
+    chosen = [places[0]]
+    for place in places[1:-1]:
+        if place - chosen[-1] >= gap <= places[-1] - place:
+            chosen.append(place)
+    return np.array([*chosen, places[-1]] if len(places) > 1 else chosen)

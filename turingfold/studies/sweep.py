@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from itertools import combinations, permutations, product
 from typing import Any
@@ -68,6 +68,32 @@ def read_values(text: str, scene: Scene, parameter: str) -> list[Any]:
     if kind is int:  # perhaps a whole number in the place of any
         kind = int if _types(owner)[names[-1]] in (int, "int") else float
     return Declared(parameter, kind, now, Parameter()).read_list(text)
+
+
+def settable(scene: Scene) -> dict[str, Any]:
+    """Return what `varied` can change of a scene, numbers, words and switches, by name, with their values.
+
+    Parts that are there more than once, and what is neither, cannot be named.
+    """
+    parts = [scene, scene.stepping, *scene.terms, *scene.processes]
+    kinds = Counter(type(part).__name__ for part in parts)
+    found: dict[str, Any] = {}
+    for part in parts:
+        if kinds[name := type(part).__name__] == 1:
+            for own in ("until", "seed") if part is scene else _own(part):
+                found.update(_plain(f"{name}.{own}", getattr(part, own)))
+    return found
+
+
+def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, str | int | float):
+        yield name, value
+    elif isinstance(value, tuple):
+        for number, item in enumerate(value):
+            yield from _plain(f"{name}.{number}", item)
+    else:
+        for own in _own(value):
+            yield from _plain(f"{name}.{own}", getattr(value, own))
 
 
 def is_part(parameter: str) -> bool:

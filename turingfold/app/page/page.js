@@ -200,7 +200,8 @@ async function list() {
     const item = make("li", {className: one.id === page.a?.id ? "shown" : one.id === page.b?.id ? "other" : "", onclick: trying(() => again(one)), title: one.message || one.command});
     item.dataset.run = one.id;
     const compare = one.id === page.a?.id ? "" : make("button", {textContent: one.id === page.b?.id ? "uncompare" : "compare", onclick: trying(event => { event.stopPropagation(); return select("b", one.id === page.b?.id ? null : one.id); })});
-    const result = one.folds == null ? "" : `${one.folds} sulci, index ${one.gyrification_index.toFixed(2)}`;
+    const early = one.status === "converged" || one.time == null ? "" : `at time ${round(one.time, 3)}: `; // numbers of a run that ended early
+    const result = one.folds == null ? "" : `${early}${one.folds} sulci, index ${one.gyrification_index.toFixed(2)}`;
     item.append(make("span", {textContent: `${one.case} · ${one.scene}`}), make("span", {className: `status ${one.status}`, textContent: one.status}),
       make("small", {textContent: [one.began.slice(11, 16), changes(one), one.quick ? "preview" : "", result].filter(Boolean).join(" · ")}), compare);
     return item;
@@ -308,7 +309,8 @@ function show() {
     if (there.includes(before)) $("field").value = before;
   }
   const share = frame.time / run.info.until, other = frameAt(page.b, share), field = $("field").value;
-  const {growth} = run.info.curves, caption = `${run.info.case}, ${run.info.scene}: ${frame.label ? `${frame.label}, ` : ""}growth ${(frame.step ? growth[frame.step - 1] ?? 1 : 1).toFixed(2)}, ${frame.folds} sulci`;
+  const {status} = run.info, ended = frame === frames.at(-1) && !UNDER_WAY.includes(status) && status !== "converged" ? `, ${status} here` : "";
+  const {growth} = run.info.curves, caption = `${run.info.case}, ${run.info.scene}: ${frame.label ? `${frame.label}, ` : ""}growth ${(frame.step ? growth[frame.step - 1] ?? 1 : 1).toFixed(2)}, ${frame.folds} sulci${ended}`;
   const view = {mesh: run.mesh, fields, field, limits: field === "layer" ? [0, 1] : run.limits[field], box: run.box, unit: run.info.length, stress: run.info.stress, before: $("outline").checked, caption};
   if (other) {
     const apart = Math.abs(other.time / page.b.info.until - share) > 0.02 && `at time ${round(other.time, 3)}`;
