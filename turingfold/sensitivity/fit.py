@@ -41,9 +41,8 @@ from .targets import checked_targets
 
 STALLED = 1e-7  # relative decrease of the sum of squares that ends a fit: far less than noise moves it by
 EVALUATIONS = 100  # of the residuals, at most
-
-
 SHOWN = 8  # parameters that are named where a fit is printed
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
