@@ -145,7 +145,9 @@ def test_panels_show_name_numbers_and_note_on_one_scale():
     shown = {"start": (result, figures.nearest_step(result, 0.1)), "end": (result, -1)}
     drawn = figures.grid(figure, shown, columns=2, notes={"end": "a note"})
     assert [axes.get_title(loc="left") for axes in drawn] == ["$\\bf{a}$  start", "$\\bf{b}$  end"]
-    assert [axes.texts[0].get_text() for axes in drawn] == ["0 sulci, GI 1.00", "0 sulci, GI 1.00\na note"]
+    assert [axes.texts[0].get_text() for axes in drawn] == [
+        "0 sulci, GI 1.00 ± ?", "0 sulci, GI 1.00 ± ?\na note"
+    ]  # fmt: skip
     assert drawn[0].get_xlim() == drawn[1].get_xlim()
     surfaces = [axes.lines[0].get_xydata() for axes in drawn]
     assert np.hypot(*surfaces[0].T) == pytest.approx(1.0)

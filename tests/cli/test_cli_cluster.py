@@ -93,6 +93,43 @@ def test_a_killed_driver_goes_on_with_what_its_cluster_has_finished(tmp_path):
     assert len(rows()) == 10
 
 
+def scheduled(folder, name, *words):
+    command = [sys.executable, "-m", f"distributed.cli.dask_{name}", "--scheduler-file", "cluster.json"]
+    return subprocess.Popen([*command, "--no-dashboard", *words], cwd=folder, stderr=subprocess.DEVNULL)
+
+
+@pytest.mark.slow
+def test_a_killed_scheduler_costs_at_most_the_points_that_ran(tmp_path, capsys):
+    words = [*WORDS[:-1], "cortex=1.05:1.5:40"]
+    scheduler = scheduled(tmp_path, "scheduler", "--port", "0", "--host", "127.0.0.1")
+    workers = [scheduled(tmp_path, "worker", "--nthreads", "1") for _ in range(2)]
+    try:
+        with distributed.Client(scheduler_file="cluster.json", timeout="60s", set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60)
+            address = client.scheduler.address
+        command = [sys.executable, "-m", "turingfold", *words, "--dask", address]
+        driver = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+        wait_for(3, driver)
+        scheduler.kill()
+        _, said = driver.communicate(timeout=120)
+        assert driver.returncode == 3
+        assert "start its scheduler again" in " ".join(said.split())
+        assert said.count("--resume") == 1  # it is the same of every point
+        for worker in workers:
+            worker.wait(timeout=120)  # they end what they run, and themselves
+    finally:
+        for process in (scheduler, *workers):
+            process.kill()
+    before = finished()
+    assert 3 <= len(before) < 40
+    told = {name for name, row in rows().items() if row["status"] == "converged"}
+    assert 1 <= len(told) <= len(before)  # of those that ran, the driver has heard nothing
+    assert main([*words, "--resume"]) == 0
+    assert before.items() <= finished().items()
+    assert {row["status"] for row in rows().values()} == {"converged"}
+    assert len(rows()) == 40
+
+
 @pytest.mark.slow
 def test_clusters_that_cannot_be_used_are_refused(capsys):
     options = {"n_workers": 1, "processes": False, "dashboard_address": None}

@@ -86,7 +86,8 @@ def _outcome(name: str, future: Any) -> Outcome:
     from distributed import KilledWorker
 
     if future.cancelled():
-        return Outcome(name, "killed", "the cluster has lost its task; is the scheduler still up?")
+        lost = "the cluster has lost its task; start its scheduler again if that has ended."
+        return Outcome(name, "killed", lost)
     error = future.exception()
     if isinstance(error, KilledWorker):
         return Outcome(name, "killed", "its workers have died several times; was there enough memory?")

@@ -236,10 +236,7 @@ def _finish(
 ) -> Answer:
     """Say what came of the study and draw the points side by side."""
     base = base_folder(case, request)
-    said = [end for end in ends.values() if end.message]
-    finished(said[:COMPLAINTS], case, request)
-    if len(said) > COMPLAINTS:
-        complain(f"{len(said) - COMPLAINTS} more points have a message; the table has them all.")
+    _complain(ends.values(), case, request)
     status = max(STATUSES[end.status] for end in ends.values())
     table = base / _table(asked.task)
     _tell(ends.values(), table)
@@ -259,6 +256,21 @@ def _finish(
             for name, own in varied.items()
         ],
     })  # fmt: skip
+
+
+def _complain(ends: Iterable[Outcome], case: Case, request: Request) -> None:
+    """Say what did not end as asked; what is the same of many points is said once."""
+    said: dict[str, list[Outcome]] = {}
+    for end in ends:
+        if end.message:
+            said.setdefault(end.message, []).append(end)
+    groups = list(said.values())
+    for first, *more in groups[:COMPLAINTS]:
+        finished([first], case, request)
+        if more:
+            complain(f"{len(more)} more points: the same.")
+    if left := sum(map(len, groups[COMPLAINTS:])):
+        complain(f"{left} more points have a message; the table has them all.")
 
 
 def _pictured(case: Case, plan: Sequence[Point], base: Path, file: Path) -> list[Path]:
