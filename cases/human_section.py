@@ -58,8 +58,9 @@ def adult():
         surface: [read_outline(file, unit="mm").single() for file in each] for surface, each in files.items()
     }
     if not curves["pial"] or not curves["white"]:
+        where = FOLDER if "BRAIN_SECTIONS" in os.environ else "a folder that BRAIN_SECTIONS names"
         raise FileNotFoundError(
-            f"there are no curves {NAME}_pial_1.csv and {NAME}_white_1.csv in {FOLDER}; set BRAIN_SECTIONS "
+            f"there are no curves {NAME}_pial_1.csv and {NAME}_white_1.csv in {where}; set BRAIN_SECTIONS "
             "to the folder and BRAIN_SECTION to the name of yours: points x,y in mm, one closed curve a file"
         )
     return Section(curves["pial"], curves["white"], source=NAME)

@@ -141,6 +141,44 @@ def test_a_link_carries_case_scene_and_parameters(page, browser, address):
     expect(page.locator("#notice")).to_have_text("tiny has no parameter thicknes; its own values are shown.")
 
 
+def test_a_case_that_is_left_before_its_scenes_are_known_leaves_nothing_behind(page):
+    waiting = []
+    page.route("**/api/cases/figure3/scenes", lambda route: waiting.append(route))
+    page.select_option("#case", "figure3")
+    expect(page.locator("#scene option")).to_have_count(0)
+    page.select_option("#case", "tiny")
+    expect(page.locator("#scene option")).to_have_text(["whole", "half"])
+    with page.expect_response("**/api/cases/figure3/scenes"):
+        waiting.pop().continue_()
+    page.wait_for_timeout(200)
+    expect(page.locator("#scene option")).to_have_text(["whole", "half"])
+    expect(page.locator("#notice")).to_be_hidden()
+    page.select_option("#case", "figure3")
+    expect(page.locator("#scene option")).to_have_text(["three hypotheses"])
+
+
+@pytest.mark.parametrize("values", [[1.0, 1.0, 1.0003], [0.0, 0.0], [5.0, 5.0], [-2.0, -2.0, -2.0]])
+def test_numbers_that_hardly_change_have_ticks_that_can_be_told_apart(page, values):
+    """Of an index next to 1, the ticks were 1, 1.0e+0, 1.0e+0, 1.0e+0."""
+    drawn = """async values => {
+        const script = document.querySelector("script[type=module]").src;
+        const {chart} = await import(script.replace("page.js", "curves.js"));
+        const series = [{points: values.map((v, k) => [k, v]), color: "red"}];
+        const made = chart("it", "time", series, 2, 1, [300, 180]);
+        return [...made.querySelectorAll("text[text-anchor=end]")].map(one => one.textContent);
+    }"""
+    ticks = page.evaluate(drawn, values)
+    assert len(ticks) > 1
+    assert len(set(map(float, ticks))) == len(ticks)
+    assert not any("e" in tick for tick in ticks)
+
+
+def test_a_narrow_page_gives_the_picture_its_whole_width(page):
+    page.set_viewport_size({"width": 800, "height": 900})
+    assert page.locator("#stage").bounding_box()["width"] > 700
+    assert page.evaluate("document.documentElement.scrollWidth") <= 800
+
+
 def test_what_is_refused_is_said(page):
     page.fill("#knob-thickness", "80")
     page.click("#run")

@@ -147,10 +147,11 @@ class Runs:
     def _start(self, run: Run, words: Sequence[str]) -> None:
         command = [sys.executable, "-P", "-m", "turingfold", *words, "--out", str(run.folder)]
         with (run.folder / "log.txt").open("wb") as log:
-            # a session of its own: Ctrl-C in the server's terminal is the server's, which then stops its runs
+            # a session or group of its own: Ctrl-C in the server's terminal is the server's, which then stops
+            # its runs
             self._processes[run.id] = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log,
-                start_new_session=True,
+                start_new_session=True, creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
             )  # fmt: skip
 
     def status(self, run: Run) -> tuple[str, str]:
@@ -215,8 +216,10 @@ def numbers(run: Run) -> dict[str, Any]:
 
 
 def _tell(process: int, *, again: bool) -> None:
-    with suppress(ProcessLookupError):
-        os.kill(process, signal.SIGTERM if again else signal.SIGINT)
+    # Windows ends a process at any signal but Ctrl-Break, which the command line hears as Ctrl-C
+    stop = getattr(signal, "CTRL_BREAK_EVENT", signal.SIGINT)
+    with suppress(OSError):  # it has ended
+        os.kill(process, signal.SIGTERM if again else stop)
 
 
 def _process(words: str) -> int | None:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import Path
 
 from .parser import parser
@@ -23,6 +24,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXP
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what the command line asks for and return the exit status."""
+    _hear_break()
     commands = parser()
     if ASKED in os.environ:
         from .completion import complete
@@ -47,6 +49,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         facts = as_plain({"exit_status": answer.status, **answer.facts})
         say(json.dumps(facts, allow_nan=False))
     return answer.status
+
+
+def _hear_break() -> None:
+    """Let Ctrl-Break stop as Ctrl-C does, where there is one: on Windows others ask to stop by it."""
+    if hasattr(signal, "SIGBREAK"):
+        with suppress(ValueError):  # only the first thread may
+            signal.signal(signal.SIGBREAK, signal.default_int_handler)
 
 
 def run_case(file: str) -> None:

@@ -6,6 +6,7 @@ t = 0.44, where it has grown by e^{0.84} = 2.3 along its surface.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..terms.elastic.material import NeoHookean
 from ..terms.elastic.term import Elastic
 
 P32 = 0.44
+VARIABLE = "FERRET_OUTLINES"  # of the environment, names the folder of outlines
 BOTTOM = Zone(region=HalfPlane(point=(0, -0.4), normal=(0, 1), edge=0.2, ramp="straight"), growth=0.0)
 """No growth at the bottom (y < -0.4), with a ramp of 0.2."""
 
@@ -41,6 +43,7 @@ def published_outline(folder: Path, side: str, stage: int) -> Array:
     file = folder / f"coronal_q25_{side}_stage{stage}.csv"
     if not file.is_file():
         what = f"there is no folder {folder}" if not folder.is_dir() else f"there is no file {file}"
+        what = what if VARIABLE in os.environ else f"{VARIABLE} is not set"
         raise FileNotFoundError(
             f"{what}. This case reads outlines that do not come with turingfold: "
             "coronal_q25_left_stage1.csv, ..._left_stage4.csv and those of right, each a closed curve with "

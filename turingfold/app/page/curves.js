@@ -1,6 +1,7 @@
 // Small charts of numbers over time, as SVG.
 
 const LEFT = 52, RIGHT = 14, TOP = 34, BOTTOM = 36; // pixels
+const LEAST = 1e-3; // a range, as a share of the numbers in it: of less, their ticks would look alike
 
 /** Return about `count` round numbers between two. */
 export function ticks(low, high, count) {
@@ -25,7 +26,8 @@ export function chart(title, label, series, until, now, [WIDTH, HEIGHT]) {
   const values = series.flatMap(one => one.points.map(point => point[1]));
   let low = Math.min(...values), high = Math.max(...values);
   if (!values.length) [low, high] = [0, 1];
-  if (high - low < 1e-6 * Math.abs(high) || high === low) [low, high] = [low - 0.05 * (Math.abs(low) || 1), high + 0.05 * (Math.abs(high) || 1)];
+  const least = LEAST * Math.max(Math.abs(low), Math.abs(high)) || 1;
+  if (high - low < least) high = low + least;
   const x = t => LEFT + (WIDTH - LEFT - RIGHT) * t / until;
   const y = v => HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (v - low) / (high - low);
   for (const v of ticks(low, high, 4)) {

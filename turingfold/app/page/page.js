@@ -100,14 +100,15 @@ function layOut() {
 
 async function choose(name, scene, values = {}) {
   if (!page.cases.has(name)) throw new Error(`There is no case ${name} here; there are: ${[...page.cases.keys()].join(", ")}.`);
-  page.case = page.cases.get(name);
+  const one = page.case = page.cases.get(name);
   const known = page.case.parameters.map(one => one.name), unknown = Object.keys(values).find(key => !known.includes(key));
   page.values = unknown ? {} : values;
   $("case").value = name;
   layOut();
   $("scene").replaceChildren(); // until they are known: some cases need files
-  page.case.scenes ??= await table(`cases/${encodeURIComponent(name)}/scenes`);
-  $("scene").replaceChildren(...page.case.scenes.map(word => make("option", {value: word, textContent: word})));
+  one.scenes = one.scenes ?? await table(`cases/${encodeURIComponent(name)}/scenes`);
+  if (page.case !== one) return; // another one was chosen meanwhile
+  $("scene").replaceChildren(...one.scenes.map(word => make("option", {value: word, textContent: word})));
   if (scene && page.case.scenes.includes(scene)) $("scene").value = scene;
   page.scene = $("scene").value;
   keepLink();
