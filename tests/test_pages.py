@@ -17,7 +17,8 @@ from turingfold.cli.parser import parser
 DOCS = Path(__file__).parents[1] / ".docs"
 PAGES = DOCS / "pages"
 SIZED = ("run", "sweep", "accuracy", "sensitivity", "fit", "buckling")  # they have a small version of a case
-SHOWN = ("app", "verify", "animate")  # serve for ever, or other tests run them: only the words are checked
+SHOWN = ("app", "animate")  # serve for ever, or other tests run them: only the words are checked
+SMALL = {"verify": "layers", "atlas": "--mechanics"}  # words of a small one; as a whole they take minutes
 
 
 @pytest.mark.slow
@@ -64,7 +65,8 @@ def done(words):
     Cases as they come with the package are run by tests/cases.
     """
     as_it_comes = words[0] == "run" and len(words) == 2 and words[1] in shipped()
-    if words[0] in SHOWN or as_it_comes:
+    whole = SMALL.get(words[0], words[0]) not in words
+    if words[0] in SHOWN or as_it_comes or whole:
         parser().parse_args(words)
         return
     small = ["--quick"] if words[0] in SIZED and "--quick" not in words else []
