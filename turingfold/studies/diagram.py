@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.colors import Normalize
 
-BANDS = ((5, 95), (25, 75))  # percentiles
+BANDS = ((5, 95, 0.2), (25, 75, 0.45))  # percentiles, and how dark they are
 FEW = 12  # different values of x that are each a place of their own; more are put into bins
 LEVELS = 24  # whole numbers that are told apart by their colours
 TICKS = (9, 14)  # numbers that have room along x and along y
@@ -84,6 +84,7 @@ def phase_diagram(axes: Axes, x: Values, y: Values, colour: Values) -> None:
     missing = places[:, ~np.isfinite(medians)]
     if missing.size:
         axes.plot(*missing, "x", color=MISSING, label="no result")
+        axes.legend(fontsize=8, loc="upper right")
     _name(axes, x, y)
     bar = axes.figure.colorbar(colors, ax=axes, label=colour.heading)
     if isinstance(norm, BoundaryNorm):
@@ -96,10 +97,10 @@ def bands(axes: Axes, x: Values, y: Values) -> None:
     if not known.any():
         raise ValueError(f"no point has a value of {y.heading}; there is nothing to draw.")
     middles, groups = _grouped(x.numbers[known], y.numbers[known])
-    for low, high in BANDS:
+    for low, high, dark in BANDS:
         below, above = ([float(np.percentile(own, q)) for own in groups] for q in (low, high))
         label = f"{high - low} % of points"
-        axes.fill_between(middles, below, above, color="C0", alpha=0.25, linewidth=0, label=label)
+        axes.fill_between(middles, below, above, color="C0", alpha=dark, linewidth=0, label=label)
     axes.plot(middles, [float(np.median(own)) for own in groups], color="C0", label="median")
     axes.plot(x.numbers[known], y.numbers[known], ".", color="0.4", markersize=3, zorder=0)
     _name(axes, x, y)
