@@ -153,17 +153,47 @@ def test_what_verify_finds_wrong_is_an_error_also_of_a_quiet_one(monkeypatch, ca
     assert [(row["quantity"], row["holds"]) for row in found["numbers"]] == [("two", False), ("one", True)]
 
 
-def test_every_command_that_runs_something_takes_the_same_words():
-    """Those that only show what is stored, or that serve, are listed here by hand."""
+def test_commands_that_show_what_is_there_answer_with_one_object_too(here, capsys):
+    words = ["sweep", "patch.py", "--quick", "--vary", "cortex=1.04,1.05", "--out", "o", "--keep", "all", "-q"]
+    assert main(words) == 0
+    capsys.readouterr()
+    folder = "o/patch-sweep"
+    assert main(["collect", folder, "--json"]) == 0
+    found, _ = answered(capsys)
+    assert found == {
+        "exit_status": 0, "folder": folder, "table": f"{folder}/sweep.csv", "points": {"converged": 2},
+    }  # fmt: skip
+    assert main(["plot", folder, "--x", "cortex", "--figure", "p.svg", "--json"]) == 0
+    assert answered(capsys)[0]["figures"] == ["p.svg"]
+    one, two = f"{folder}/cortex=1.04", f"{folder}/cortex=1.05"
+    assert main(["compare", one, two, "--json"]) == 0
+    found, err = answered(capsys)
+    length = next(row for row in found["measures"] if "length" in row["name"] or "perimeter" in row["name"])
+    assert length["ratio"] == pytest.approx(length["b"] / length["a"])
+    assert length["name"] in err
+    assert main(["stability", "Schnakenberg", "--half-waves", "6", "--json"]) == 0
+    found, _ = answered(capsys)
+    assert found["unstable"]
+    assert 6 in found["growing_half_waves"]
+    assert found["ratio"] > found["critical_ratio"]
+    assert main(["animate", one, "--json", "--figure", "f.gif"]) == 0
+    assert answered(capsys)[0]["figures"] == ["f.gif"]
+    for words in (["collect", folder], ["compare", one, two], ["stability", "Schnakenberg"]):
+        assert main([*words, "-q"]) == 0
+        assert capsys.readouterr() == ("", "")
+
+
+def test_every_command_that_prints_numbers_takes_the_same_words():
+    """`app` serves; `list`, `new` and `completion` print what is for people or for a shell."""
     from turingfold.cli.parser import parser
 
     (actions,) = (one for one in parser()._actions if one.choices)
-    shows = {"collect", "plot", "app", "list", "new", "animate", "compare", "stability"}
-    shows |= {"doctor", "completion"}
     assert set(actions.choices) == set(commands.COMMANDS)
-    for name, own in actions.choices.items():
-        words = {word for action in own._actions for word in action.option_strings}
-        if name not in shows:
-            assert {"-q", "--quiet", "--json"} <= words, name
-        if name not in shows | {"draw", "verify"}:
-            assert {"-v", "--verbose"} <= words, name
+    words = {
+        name: {word for action in own._actions for word in action.option_strings}
+        for name, own in actions.choices.items()
+    }
+    silent = {"app", "list", "new", "completion", "doctor"}
+    assert {name for name, own in words.items() if not {"-q", "--quiet", "--json"} <= own} == silent
+    steps = {"run", "sweep", "accuracy", "sensitivity", "fit", "buckling", "atlas"}
+    assert {name for name, own in words.items() if {"-v", "--verbose"} <= own} == steps

@@ -58,13 +58,13 @@ def _sweep(options: argparse.Namespace) -> Answer:
     return sweep(request, design, _running(options), asked)
 
 
-def _collect(options: argparse.Namespace) -> int:
+def _collect(options: argparse.Namespace) -> Answer:
     from .sweep import collect
 
     return collect(options.study)
 
 
-def _plot(options: argparse.Namespace) -> int:
+def _plot(options: argparse.Namespace) -> Answer:
     from .plot import plot
 
     return plot(options.study, options.x, options.y, options.colour, options.figure)
@@ -119,7 +119,7 @@ def _draw(options: argparse.Namespace) -> Answer:
     return draw(_pictured(options, "run"))
 
 
-def _animate(options: argparse.Namespace) -> int:
+def _animate(options: argparse.Namespace) -> Answer:
     from ..figures.animation import animate
     from ..results.result import load
     from .case import named_parts
@@ -128,8 +128,9 @@ def _animate(options: argparse.Namespace) -> int:
     folder = scene_folder(options.result)
     file = options.figure or folder / "film.gif"
     result = load(folder, known=named_parts(options.parts))
-    say(f"film: {animate(result, file, field=options.field, rate=options.rate)}")
-    return 0
+    film = animate(result, file, field=options.field, rate=options.rate)
+    say(f"film: {film}")
+    return Answer(0, {"folder": str(folder), "figures": [str(film)]})
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -145,12 +146,11 @@ def _new(options: argparse.Namespace) -> int:
     return 0
 
 
-def _stability(options: argparse.Namespace) -> int:
+def _stability(options: argparse.Namespace) -> Answer:
     from .tools import Stability, stability
 
     own = tuple(options.param), options.ratio, options.half_waves, options.radius, options.thickness
-    say(stability(Stability(options.kinetics, *own, options.figure)))
-    return 0
+    return stability(Stability(options.kinetics, *own, options.figure))
 
 
 def _buckling(options: argparse.Namespace) -> Answer:
@@ -178,13 +178,12 @@ def _atlas(options: argparse.Namespace) -> Answer:
     return atlas(options.out, counts, **how, telling=_telling(options))
 
 
-def _compare(options: argparse.Namespace) -> int:
+def _compare(options: argparse.Namespace) -> Answer:
     from .case import named_parts
     from .tools import compare
 
     known = named_parts(options.parts)
-    say(compare(options.a, options.b, options.figure, options.landmarks, known=known))
-    return 0
+    return compare(options.a, options.b, options.figure, options.landmarks, known=known)
 
 
 def _doctor(options: argparse.Namespace) -> Answer:

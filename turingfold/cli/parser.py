@@ -134,14 +134,15 @@ def _add_sweep(commands: Commands, shared: list[argparse.ArgumentParser]) -> Non
 
 def _add_studies(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that show what comes of a sweep."""
+    printed = arguments.of_answers(steps=False, pictured=False)
     collect = commands.add_parser(
-        "collect", parents=[common], help="the table of a study from the records of its points"
+        "collect", parents=[printed, common], help="the table of a study from the records of its points"
     )
     collect.add_argument("study", type=Path, metavar="STUDY", help="folder of the study")
     collect.set_defaults(command="collect")
 
     plot = commands.add_parser(
-        "plot", parents=[common], help="a phase diagram of a study",
+        "plot", parents=[printed, common], help="a phase diagram of a study",
         description="Draw a measure of a study's points in colours over two of its columns, as cells where "
         "the points are a grid; with --x alone, its percentiles along that column.",
     )  # fmt: skip
@@ -191,7 +192,8 @@ def _add_cases(commands: Commands, common: argparse.ArgumentParser) -> None:
 
 def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that show stored results."""
-    film = commands.add_parser("animate", parents=[common], help="a film of a stored result")
+    printed = arguments.of_answers(steps=False, pictured=False)
+    film = commands.add_parser("animate", parents=[printed, common], help="a film of a stored result")
     film.add_argument("result", type=Path, metavar="FOLDER", help="of the results of a scene")
     film.add_argument("--figure", type=Path, metavar="FILE", help=".gif or .mp4 (FOLDER/film.gif)")
     film.add_argument("--field", default="von_mises", metavar="NAME", help="von_mises, pressure or jacobian")
@@ -199,7 +201,9 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     _add_parts(film)
     film.set_defaults(command="animate")
 
-    compare = commands.add_parser("compare", parents=[common], help="morphometry of two brains side by side")
+    compare = commands.add_parser(
+        "compare", parents=[printed, common], help="morphometry of two brains side by side"
+    )
     compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
     compare.add_argument("b", type=Path, metavar="B", help="another one")
     compare.add_argument("--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b")
@@ -217,7 +221,10 @@ def _add_parts(command: argparse.ArgumentParser) -> None:
 
 def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     """Add the commands that say what theory expects of kinetics and cases."""
-    stability = commands.add_parser("stability", parents=[common], help="Turing conditions of a kinetics")
+    printed = arguments.of_answers(steps=False, pictured=False)
+    stability = commands.add_parser(
+        "stability", parents=[printed, common], help="Turing conditions of a kinetics"
+    )
     stability.add_argument("kinetics", metavar="KINETICS", help="such as Schnakenberg")
     stability.add_argument(
         "--param", action="append", default=[], type=assignment, metavar="NAME=VALUE", help="repeatable"
@@ -238,7 +245,6 @@ def _add_theory(commands: Commands, common: argparse.ArgumentParser) -> None:
     what.add_argument("--follow", type=Path, metavar="DIR", help="paths through limit points: CSV, figure")
     buckling.set_defaults(command="buckling")
 
-    printed = arguments.of_answers(steps=False, pictured=False)
     verify = commands.add_parser(
         "verify", parents=[printed, common], help="problems with known answers",
         description="Solve problems whose answers are known; say by how much each number is off. The exit "

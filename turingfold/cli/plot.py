@@ -10,14 +10,14 @@ from ..models.declared import nearest
 from ..studies.diagram import Values, bands, phase_diagram, values_of
 from .figure import save_figure
 from .outcome import Outcome
-from .status import say
+from .status import Answer, say
 from .study import gathered, headings
 
 MEASURES = ("folds", "gyrification_index", "sulcal_depth")  # of bands, where none is asked for
 FILE = "plot.png"
 
 
-def plot(base: Path, x: str, y: str | None, colour: str | None, figure: Path | None) -> int:
+def plot(base: Path, x: str, y: str | None, colour: str | None, figure: Path | None) -> Answer:
     """Draw a study: colour over x and y; with x alone, the percentiles of colour, or of three measures.
 
     Raises ValueError for a folder without a study, for unknown columns, and where no point has a value.
@@ -46,7 +46,7 @@ def plot(base: Path, x: str, y: str | None, colour: str | None, figure: Path | N
             panels[0].legend(fontsize=8)
         picture.suptitle(f"{study['case']}: {_counted(ends)}", fontsize=10)
     say(f"figure: {file}")
-    return 0
+    return Answer(0, {"case": study["case"], "figures": [str(file)]})
 
 
 def _value(name: str, varied: dict[str, Any], end: Outcome) -> Any:

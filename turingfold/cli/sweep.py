@@ -295,11 +295,13 @@ def _tell(ends: Iterable[Outcome], table: Path) -> None:
     say(f"table: {table}")
 
 
-def collect(base: Path) -> int:
+def collect(base: Path) -> Answer:
     """Write the table of a study from the records of its points, whichever task or machine has run them."""
     table, ends = collected(base)
     _tell(ends, table)
-    return 0
+    kinds = [end.status for end in ends]
+    counts = {kind: kinds.count(kind) for kind in dict.fromkeys(kinds)}
+    return Answer(0, {"folder": str(base), "table": str(table), "points": counts})
 
 
 class Stored(Mapping[str, tuple[Result, int]]):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +12,17 @@ import numpy as np
 
 from .figure import save_figure
 from .request import Assignments
+from .status import Answer, say
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from ..arrays import Array
 
 ELEMENTS = 4  # through the cortex
+CONDITIONS = (
+    "activator", "ratio", "critical_ratio", "critical_k2", "fastest_k2", "fastest_rate", "hopf_margin",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -30,8 +38,8 @@ class Stability:
     figure: Path | None = None
 
 
-def stability(asked: Stability) -> str:
-    """Return the Turing conditions of a kinetics as text, and with half waves the modes of a semi-circle.
+def stability(asked: Stability) -> Answer:
+    """Print the Turing conditions of a kinetics, and with half waves the modes of a semi-circle.
 
     Raises ValueError for unknown names and for half waves that the body cannot hold.
     """
@@ -50,17 +58,31 @@ def stability(asked: Stability) -> str:
             raise ValueError(f"--param {word}={text} is not of the form NAME=VALUE with a number.") from error
     kinetics = kinetics_named(asked.kinetics, **values)
     report = stability_report(kinetics, asked.ratio, body, asked.half_waves or 1)
-    if asked.figure is None:
-        return str(report)
-    with save_figure(asked.figure) as canvas:
-        report.draw(canvas.add_subplot())
-    return f"{report}\nfigure: {asked.figure}"
+    say(str(report))
+    found = report.conditions
+    facts = {name: getattr(found, name) for name in (*CONDITIONS, "band")}
+    facts |= {
+        "kinetics": asked.kinetics, "steady_state": list(found.steady_state),
+        "unstable": all(check.holds for check in found.checks),
+        "growing_half_waves": [mode.half_waves for mode in report.growing],
+    }  # fmt: skip
+    return Answer(0, facts | _pictured(asked.figure, report.draw))
+
+
+def _pictured(file: Path | None, draw: Callable[[Axes], object]) -> dict[str, list[str]]:
+    """Draw on one pair of axes where that is asked for, say where, and return the files."""
+    if file is None:
+        return {"figures": []}
+    with save_figure(file) as canvas:
+        draw(canvas.add_subplot())
+    say(f"figure: {file}")
+    return {"figures": [str(file)]}
 
 
 def compare(
     a: Path, b: Path, figure: Path | None, landmarks: Path | None = None, *, known: tuple[Any, ...] = ()
-) -> str:
-    """Return the morphometry of two results or outlines as a table; draw one on the other on request.
+) -> Answer:
+    """Print the morphometry of two results or outlines as a table; draw one on the other on request.
 
     Lengths are in mm where both are no longer than brains in m.
     """
@@ -79,7 +101,7 @@ def compare(
     def scaled(start: Array | None) -> Array | None:
         return None if start is None else scale * start
 
-    table = compared(
+    found = compared(
         scale * one,
         scale * other,
         names=names,
@@ -87,12 +109,17 @@ def compare(
         starts=(scaled(start_a), scaled(start_b)),
         landmarks=None if landmarks is None else read_landmarks(landmarks, one, other),
         unit=unit,
-    ).text()
-    if figure is None:
-        return table
-    with save_figure(figure) as canvas:
-        draw_comparison(one, other, canvas.add_subplot(), names=names, thickness=thickness)
-    return f"{table}\nfigure: {figure}"
+    )
+    say(found.text())
+    facts = {
+        "names": names, "similarity": found.similarity,
+        "measures": [
+            {"name": row.name, "unit": row.unit, "a": row.a, "b": row.b, "ratio": row.ratio}
+            for row in found.measures
+        ],
+    }  # fmt: skip
+    draw = partial(draw_comparison, one, other, names=names, thickness=thickness)
+    return Answer(0, facts | _pictured(figure, draw))
 
 
 def _curve(path: Path, known: tuple[Any, ...]) -> tuple[Array, Array | None, float | None]:
