@@ -154,8 +154,8 @@ def test_what_verify_finds_wrong_is_an_error_also_of_a_quiet_one(monkeypatch, ca
 
 
 def test_commands_that_show_what_is_there_answer_with_one_object_too(here, capsys):
-    words = ["sweep", "patch.py", "--quick", "--vary", "cortex=1.04,1.05", "--out", "o", "--keep", "all", "-q"]
-    assert main(words) == 0
+    sweep = ["sweep", "patch.py", "--quick", "--vary", "cortex=1.04,1.05"]
+    assert main([*sweep, "--out", "o", "--keep", "all", "-q"]) == 0
     capsys.readouterr()
     folder = "o/patch-sweep"
     assert main(["collect", folder, "--json"]) == 0
