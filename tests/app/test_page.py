@@ -77,6 +77,8 @@ def test_a_visit(page, browser, address):
     """Preset, thickness, run, a picture that changes, replay, stop, reload, go on, compare."""
     page.select_option("#case", "figure3")
     expect(page.locator("#scene option")).to_have_text(["three hypotheses"])
+    expect(page.locator("#hint")).to_contain_text("Figure 3: pattern, tension and growth")
+    expect(page.locator("#side h2", has_text="Numbers")).to_be_hidden()
     expect(page.locator("#knob-kinetics option")).to_have_count(10)
     expect(page.locator("#knob-half_waves")).to_have_value("")  # the case chooses
     expect(page.locator("#knob-half_waves")).to_have_attribute("placeholder", "auto")

@@ -96,6 +96,7 @@ function layOut() {
     make("button", {textContent: "Back to the case's values", onclick: () => { page.values = {}; layOut(); keepLink(); }}));
   document.title = `${page.case.name} · turingfold`;
   $("case").title = page.case.title;
+  if (!page.a) show();
 }
 
 async function choose(name, scene, values = {}) {
@@ -295,7 +296,7 @@ function show() {
   $("hint").hidden = frames.length > 0;
   if (!frames.length) {
     $("hint").textContent = page.a ? { refused: "This run was refused." }[page.a.info?.status] ?? "The run starts: its mesh is made, and its pattern computed …" : "";
-    if (!page.a) $("hint").append("Choose a case, change what you like, and press ", make("b", {textContent: "Run"}), ".");
+    if (!page.a) $("hint").append(make("p", {textContent: page.case?.title ?? ""}), make("p", {}, "Choose a case, change what you like, and press ", make("b", {textContent: "Run"}), "."));
     for (const id of ["numbers", "curves", "keep"]) $(id).replaceChildren();
     $("picture").width = $("picture").width; // empty
     return;
