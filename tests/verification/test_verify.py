@@ -37,7 +37,7 @@ def test_cheap_problems_hold_and_are_written(tmp_path, capsys):
 
 def test_a_wrong_answer_gives_status_3(capsys):
     (check,) = checks(["closed thresholds"])
-    assert verify([wrong(check, 7.5)]) == 3
+    assert verify([wrong(check, 7.5)]).status == 3
     assert capsys.readouterr().out.count("FAIL") == 1
 
 
