@@ -127,7 +127,7 @@ def test_lengths_are_told_in_a_unit_that_suits_the_body(monkeypatch, radius, dep
     shape = {"folds": 3, "sulcal_depth": 1.23 * thickness, "min_gap": 0.002 * thickness}
     summary = result.summary() | shape
     monkeypatch.setattr(Result, "summary", lambda _: summary)
-    _, folds, walls, *_ = told("case", {"scene": result}, Path("results"))
+    _, folds, _, walls, *_ = told("case", {"scene": result}, Path("results"))
     assert f"folds: 3 sulci, {depth}" in folds
     assert f"smallest gap between walls {gap}" in walls
 
