@@ -40,7 +40,8 @@ KEYS = {
     "min_jacobian", "min_gap",
     "inverted_elements", "self_intersections", "gyrification_index",
     "closed_gyrification_index", "closing_radius", "folds", "sulcal_depth", "least_fold_depth",
-    "fold_smoothing", "mirror_error", "registration", "registration_p", "converged",
+    "fold_smoothing", "mirror_error", "registration", "registration_p",
+    "pattern_half_waves", "converged",
 }  # fmt: skip
 
 
