@@ -30,6 +30,7 @@ from turingfold import (
 )
 from turingfold.cli.summary import told
 from turingfold.extend import Evolution, Process
+from turingfold.turing.process import Turing
 
 KEYS = {
     "perimeter", "errors", "no_errors", "step_errors", "no_step_errors", "quadrature_errors",
@@ -183,6 +184,8 @@ def test_summary_of_a_scene_without_pattern_and_contact(grown):
 def test_summary_of_a_folding_scene(folded):
     summary = folded.summary()
     assert -1 <= summary["registration"] <= 1
+    turing = next(part for part in folded.scene.processes if isinstance(part, Turing))
+    assert summary["pattern_half_waves"] == turing.half_waves
     assert summary["min_gap"] > 0
     assert folded.pattern().shape == folded.pial().shape[1:]
     assert folded.pattern().min() >= 0
