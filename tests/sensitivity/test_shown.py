@@ -51,7 +51,7 @@ def test_a_result_of_each_analysis_is_printed_in_short_lines(scene, result):
         assert repr(one).startswith(words)
         assert len(repr(one)) < 200
         assert "array" not in repr(one)
-    assert "TangentialGrowth.cortex      1.20029 ± " in repr(found)
+    assert "TangentialGrowth.cortex          1.2 ± " in repr(found)
 
 
 def test_a_parameter_that_is_not_told_has_no_standard_error(result):
