@@ -1,4 +1,4 @@
-"""Figure 2: pattern, tension and growth of the whole brain fold the semi-ellipse. About 20 s.
+"""Figure 2: pattern, tension and growth of the whole brain fold the semi-ellipse. About 15 s.
 
     turingfold run cases/figure2.py      stores results/figure2, draws figures/figure2.png
 
@@ -12,12 +12,12 @@ from turingfold import figures, half, human, run_case, semiellipse
 from turingfold import parameters as p
 
 
-@p.quick(elements=2)
+@p.quick(elements=2, along=1.0)
 def scenes(
     quick=False, *,
     width: p.Width = 2 * 0.0404, height: p.Height = 0.74 * 0.0404, thickness: p.Thickness = 2.5e-3,
-    elements: p.Elements = 6, base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0,
-    halved: p.Halved = False,
+    elements: p.Elements = 3, along: p.Along = 2.0,
+    base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0, halved: p.Halved = False,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
     growth_law: p.GrowthLaw = "prescribed",
@@ -26,8 +26,9 @@ def scenes(
     loads: p.Loads = "tension", dynamics: p.Dynamics = False, duration: p.Duration = 10.0,
 ):  # fmt: skip
     body = semiellipse(
-        width=width, height=height, thickness=thickness, elements=elements, base=base, layers=layers
-    )
+        width=width, height=height, thickness=thickness, elements=elements, along=along, base=base,
+        layers=layers,
+    )  # fmt: skip
     half_waves = half_waves or human.half_waves(body, width=2.22)
     scene = human.brain(
         half(body) if halved else body, young_gray=young_gray, young_white=young_white, poisson=poisson,

@@ -1,4 +1,4 @@
-"""Figure 3: pattern, tension and growth of the whole brain fold the semi-circle. About 20 s.
+"""Figure 3: pattern, tension and growth of the whole brain fold the semi-circle. About 15 s.
 
     turingfold run cases/figure3.py      stores results/figure3, draws figures/figure3.png
 
@@ -18,12 +18,12 @@ from turingfold import figures, half, human, run_case, semicircle
 from turingfold import parameters as p
 
 
-@p.quick(elements=2)
+@p.quick(elements=2, along=1.0)
 def scenes(
     quick=False, *,
-    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 6,
-    base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0,
-    halved: p.Halved = False,
+    radius: p.Radius = 0.0404, thickness: p.Thickness = 2.5e-3,
+    elements: p.Elements = 3, along: p.Along = 2.0,
+    base: p.Base = "clamped", layers: p.Layers = "sharp", seed: p.Seed = 0, halved: p.Halved = False,
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 2.3, core: p.Core = 1.05, radial_core: p.RadialCore = 1.1, swelling: p.Swelling = 0.2,
     growth_law: p.GrowthLaw = "prescribed",
@@ -31,7 +31,9 @@ def scenes(
     tension: p.Tension = True, pattern: p.Pattern = True, two_layers: p.TwoLayers = True,
     loads: p.Loads = "tension", dynamics: p.Dynamics = False, duration: p.Duration = 10.0,
 ):  # fmt: skip
-    body = semicircle(radius=radius, thickness=thickness, elements=elements, base=base, layers=layers)
+    body = semicircle(
+        radius=radius, thickness=thickness, elements=elements, along=along, base=base, layers=layers
+    )
     scene = human.brain(
         half(body) if halved else body, young_gray=young_gray, young_white=young_white, poisson=poisson,
         two_layers=two_layers,

@@ -63,7 +63,7 @@ def test_the_figures_have_the_parameters_of_document_1(name):
     (path,) = [path for path in CASES if path.stem == name]
     shape = {"radius"} if name == "figure3" else {"width", "height"}
     wanted = (
-        "thickness elements young_gray young_white poisson cortex core radial_core swelling growth_law "
+        "thickness elements along young_gray young_white poisson cortex core radial_core swelling growth_law "
         "strength half_waves kinetics tension pattern two_layers loads dynamics duration base layers seed "
         "halved"
     )
@@ -222,6 +222,18 @@ def test_half_of_a_brain_folds_as_the_whole(name):
     assert whole["folds"] == right["folds"]
     assert right["gyrification_index"] == pytest.approx(whole["gyrification_index"], rel=1e-3)
     assert 2 * right["energy"] == pytest.approx(whole["energy"], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_figure_3_is_within_a_per_cent_of_what_twelve_elements_say():
+    """Of half of it, with 12 elements through the cortex, 18 as long along it, and a core as fine as 0.05."""
+    energy, index, depth = 0.200149, 1.45413, 1.85354  # J/m, and in thicknesses
+    case = find_case("figure3")
+    found = simulate(case.scenes({"halved": True}, quick=False)["three hypotheses"]).summary()
+    assert found["folds"] == 12
+    assert found["energy"] == pytest.approx(energy, rel=0.01)
+    assert found["gyrification_index"] == pytest.approx(index, rel=0.01)
+    assert found["sulcal_depth"] / 2.5e-3 == pytest.approx(depth, rel=0.01)
 
 
 def test_figure_3_has_a_gyrus_on_each_peak():

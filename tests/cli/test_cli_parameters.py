@@ -127,7 +127,7 @@ def test_another_scene_in_the_folder_is_told_by_its_parameters_and_the_remedy(he
     assert main(["run", "patch", "--quick", "--set", "radius=0.05", "--set", "elements=3"]) == 2
     assert "(radius was 0.04 and is 0.05); choose another folder (out=..., --out DIR)" in said(capsys)
     assert main(["run", "patch", "--set", "elements=1", "--set", "cortex=1.01"]) == 0
-    assert "so --set elements=4 for numbers" in said(capsys)
+    assert "so --set elements=3 for numbers" in said(capsys)
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="there is no git here")

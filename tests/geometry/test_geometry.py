@@ -161,6 +161,16 @@ def test_size_and_coarsening_do_what_they_say():
     assert even.mesh.nelements == pytest.approx(np.pi / 2 / (0.025**2 / 2), rel=0.15)
 
 
+def test_slender_elements_are_shorter_along_the_cortex_and_nowhere_else():
+    even, slender = (semicircle(radius=1.0, thickness=0.1, size=0.025, along=n) for n in (1.0, 2.0))
+    assert np.diff(slender.pial_arc[::2]) == pytest.approx(0.0125, rel=0.02)
+    assert slender.elements_through_cortex == pytest.approx(even.elements_through_cortex, rel=1e-3)
+    gray = [body.in_cortex.sum() for body in (even, slender)]
+    white = [(~body.in_cortex).sum() for body in (even, slender)]
+    assert gray[1] == pytest.approx(2 * gray[0], rel=0.02)
+    assert white[0] <= white[1] < 1.3 * white[0]
+
+
 @settings(derandomize=True, max_examples=15, deadline=None)
 @given(height=st.floats(0.6, 1.6), share=st.floats(0.05, 0.45), per=st.integers(1, 3))
 def test_any_proportions_make_a_body(height, share, per):
@@ -218,6 +228,8 @@ def test_lengths_must_be_positive(name, bad):
         ({"base": "glued"}, ("base", "glued", "clamped", "roller", "free")),
         ({"coarsening": 0.9}, ("coarsening=0.9", "at least 1")),
         ({"coarsening": 5.0}, ("coarsening", "at most 3")),
+        ({"along": 0.5}, ("along=0.5", "at least 1")),
+        ({"along": 5.0}, ("along", "at most 4")),
     ],
 )
 def test_bad_shapes_are_refused(options, words):

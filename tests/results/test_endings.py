@@ -140,9 +140,7 @@ def test_states_are_found_by_their_time():
 
 def test_an_end_with_triangles_turned_over_is_invalid(tmp_path, monkeypatch):
     turned = iter([0, 0, 2, 1] + 20 * [0])  # in between only
-    monkeypatch.setattr(
-        "turingfold.results.simulate.folded_over", lambda mesh, nodes: np.arange(next(turned))
-    )
+    monkeypatch.setattr("turingfold.results.simulate.inverted", lambda body, state: next(turned))
     result = simulate(elastic_scene(stepping=HURRIED), tmp_path / "out")
     assert result.status == "invalid"
     assert not result.converged

@@ -24,6 +24,7 @@ ELEMENTS = "elements"
 FIRST, FEWEST = 0.5, 2.0  # elements of the first run: share of the case's own, and at least
 LONGEST = 2.0  # times as fine as the run before at most
 RUNS = 5
+SAFETY = 1.4  # of what is claimed: estimates of Figure 3 on eleven meshes were short by 1.32 at most
 ROOM = 0.85  # share of the error asked for that is aimed at
 SLOWEST, USUAL, FASTEST = 0.7, 1.0, 3.0  # orders of the error in the size of the elements
 Numbers = dict[tuple[str, str], float]  # by scene and name
@@ -44,8 +45,8 @@ class Trial:
     folds: Mapping[str, int]
 
     def errors(self, before: Trial | None) -> Numbers:
-        """Return the relative errors, no smaller than what the run before leaves of them."""
-        found = {key: self.mesh[key] + self.steps.get(key, 0.0) for key in self.mesh}
+        """Return bounds of the relative errors, no smaller than what the run before leaves of them."""
+        found = {key: SAFETY * self.mesh[key] + self.steps.get(key, 0.0) for key in self.mesh}
         if before is None:
             return found
         for key, error in before.errors(None).items():

@@ -19,31 +19,34 @@ from .triangles import straight_mesh
 
 MOST = 2e6  # triangles in the cortex
 LARGEST = 5.0  # m, half a body; models in units of their own have a radius of about 1
+SLENDER = 4.0  # at most, edges across over edges along the cortex
 CORE, COARSEST = 0.1, 0.2  # of the core's radius: how large its elements may be, that of a coarse cortex too
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
 def semicircle(
     *, radius: float, thickness: float, size: float | None = None, elements: float | None = None,
-    base: str = "clamped", layers: str = "sharp", coarsening: float = 1.35,
+    along: float = 1.0, base: str = "clamped", layers: str = "sharp", coarsening: float = 1.35,
 ) -> Body:  # fmt: skip
     """Return the upper half of a disc around the origin.
 
     radius and thickness (of the cortex) in m; size: element edge in the cortex, m, or elements: their number
-    through the cortex; base "clamped", "roller" or "free"; layers "sharp" or "sigmoid", see `Body`;
+    through the cortex; along: how many times shorter they are along the surface, as suits a cortex that grows
+    as many times longer; base "clamped", "roller" or "free"; layers "sharp" or "sigmoid", see `Body`;
     coarsening: growth of the element size from ring to ring below the cortex, to a tenth of the core's
     radius, or to that in the cortex, but not beyond a fifth.
     """
     positive("radius", radius)
     return semiellipse(
-        width=2 * radius, height=radius, thickness=thickness, size=size, elements=elements, base=base,
-        layers=layers, coarsening=coarsening,
+        width=2 * radius, height=radius, thickness=thickness, size=size, elements=elements, along=along,
+        base=base, layers=layers, coarsening=coarsening,
     )  # fmt: skip
 
 
 def semiellipse(
     *, width: float, height: float, thickness: float, size: float | None = None,
-    elements: float | None = None, base: str = "clamped", layers: str = "sharp", coarsening: float = 1.35,
+    elements: float | None = None, along: float = 1.0, base: str = "clamped", layers: str = "sharp",
+    coarsening: float = 1.35,
 ) -> Body:  # fmt: skip
     """Return the upper half of an ellipse with its full width along the base and its apex at `height`; m.
 
@@ -56,6 +59,8 @@ def semiellipse(
     size = element_size(size, elements, thickness)
     one_of("base", base, BASES)
     positive("coarsening", coarsening, at_most=3.0)
+    if positive("along", along, at_most=SLENDER) < 1:
+        raise ValueError(f"along={along:g} must be at least 1 (1: elements as long along as across).")
     if coarsening < 1:
         raise ValueError(f"coarsening={coarsening:g} must be at least 1 (1: no coarsening inward).")
     sharpest = min(a * a / b, b * b / a)
@@ -66,7 +71,7 @@ def semiellipse(
             f"({min(a, b) / 2:g} m) and the smallest radius of curvature ({sharpest:g} m); use a thinner "
             "cortex."
         )
-    triangles = 8 * (a + b) * thickness / size**2
+    triangles = 8 * along * (a + b) * thickness / size**2
     if triangles > MOST:
         raise ValueError(
             f"size={size:g} m would make about {triangles:.1g} gray triangles, more than {MOST:.0e}; are "
@@ -82,7 +87,7 @@ def semiellipse(
             f"in m, {a:g} mm are {1e-3 * a:g}; loads in N/m and contact distances would not suit this body.",
             stacklevel=2,
         )
-    return Body(_mirrored(_quarter_mesh(a, b, thickness, size, coarsening)), thickness, base, layers)
+    return Body(_mirrored(_quarter_mesh(a, b, thickness, size, along, coarsening)), thickness, base, layers)
 
 
 def element_size(size: float | None, elements: float | None, thickness: float) -> float:
@@ -110,10 +115,12 @@ class _Half:
     cortex: int  # the first so many triangles
 
 
-def _quarter_mesh(a: float, b: float, thickness: float, size: float, coarsening: float) -> _Half:
+def _quarter_mesh(
+    a: float, b: float, thickness: float, size: float, along: float, coarsening: float
+) -> _Half:  # fmt: skip
     at, arc = _offset_quarter(a, b)
     layers = max(1, round(thickness / size))
-    around = max(2, round(arc / size))
+    around = max(2, round(along * arc / size))
     rings: list[Array] = []
     points: list[tuple[float, float]] = []
 
@@ -137,7 +144,7 @@ def _quarter_mesh(a: float, b: float, thickness: float, size: float, coarsening:
     while count > 2:
         step = min(step * coarsening, coarsest)
         share -= step
-        fitting = round(around * share * (size / mean_radius) / step) if share > 0.6 * step else 0
+        fitting = round(around / along * share * (size / mean_radius) / step) if share > 0.6 * step else 0
         if fitting < 2:
             break
         count = min(fitting, count)

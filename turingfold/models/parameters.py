@@ -26,6 +26,7 @@ Width = Annotated[float, Parameter("m", 0.01, 0.4, "width of the brain along its
 Height = Annotated[float, Parameter("m", 0.005, 0.2, "height of the brain")]
 Thickness = Annotated[float, Parameter("m", 1e-4, 0.02, "thickness of the cortex")]
 Elements = Annotated[float, Parameter("", 1, 24, "elements through the cortex")]
+Along = Annotated[float, Parameter("", 1, 4, "elements along the cortex over those across it")]
 Base = Annotated[str, Parameter(label="what holds the base", choices=("clamped", "roller", "free"))]
 Layers = Annotated[str, Parameter(label="how gray turns to white matter", choices=("sharp", "sigmoid"))]
 YoungGray = Annotated[float, Parameter("Pa", *MODULUS, "Young's modulus of gray matter")]

@@ -31,6 +31,7 @@ from .carried import NoEstimateError, at_rest, forces_of, on_another_body, refus
 from .measures import shape_numbers
 
 BEYOND = 1.5  # 1/(1 - 2⁻ᵖ) is 2 at creases and corners, of order 1, 1.14 of order 3: their geometric mean
+OF_FOLDS, IN_CREASES = ("gyrification_index", "sulcal_depth"), 2.0  # folds end in creases, of order 1
 # where a surface ends at a clamp, displacements are as r^0.595 (clamped and free side at a right angle, plane
 # strain, ν = 1/2; Williams 1952, J. Appl. Mech. 19, 526), and the length of its last edge is off as h^0.595
 AT_CLAMPS = 1 / (1 - 2**-0.595)
@@ -69,7 +70,7 @@ def estimated(problem: Problem, state: State) -> Numbers:
     off[ENERGY] = local.energy - at.energy + 0.5 * float(local.forces @ move)
     clamps = _length_at_clamps(finer.body, there, 4) - _length_at_clamps(body, state["displacement"], 2)
     off[LENGTH] -= clamps
-    found = {name: BEYOND * abs(value) for name, value in off.items()}
+    found = {n: (IN_CREASES if n in OF_FOLDS else BEYOND) * abs(value) for n, value in off.items()}
     found[LENGTH] += AT_CLAMPS * abs(clamps)
     return found
 
