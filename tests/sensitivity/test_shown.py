@@ -1,5 +1,8 @@
 """What is printed of results of analyses: short lines, and no arrays."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -17,6 +20,13 @@ from turingfold import (
     sensitivity,
     simulate,
 )
+
+
+def test_the_function_is_found_whatever_was_imported_before_it():
+    """It has the name of a folder, which was found in its place once anything of it had been imported."""
+    lines = "import turingfold.sensitivity.fit, turingfold as tf", "tf.sensitivity(1)"
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True)
+    assert "sensitivity() missing 1 required keyword-only argument: 'to'" in done.stderr
 
 
 @pytest.fixture(scope="module")
