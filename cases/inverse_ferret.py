@@ -1,4 +1,4 @@
-"""Ferret, which growth made this brain: a growth map from stages 1 to 3, stage 4 foretold. About 10 min.
+"""Ferret, which growth made this brain: a growth map from stages 1 to 3, stage 4 foretold. Under 5 min.
 
     turingfold run cases/inverse_ferret.py      draws figures/inverse_ferret.png
 
