@@ -75,6 +75,33 @@ def test_landmarks_of_a_file_count_too(target, tmp_path, capsys):
         assert words_ in capsys.readouterr().err
 
 
+def test_bounds_of_all_and_of_one_parameter(target, tmp_path, capsys):
+    words = [
+        "--target",
+        f"1={target}",
+        "--unit",
+        "mm",
+        "--bounds",
+        "1:2",
+        "--bounds",
+        "GrowthMap.cortex.4=1:1.25",
+    ]
+    assert main(["fit", "map.py", "--to", "GrowthMap.cortex", "--set", "last=1.1", *words]) == 0
+    assert "note: GrowthMap.cortex.4: at the largest value allowed" in capsys.readouterr().out
+    with (tmp_path / "results/map-fit/fit.csv").open() as file:
+        values = [float(row["value"]) for row in csv.DictReader(file)]
+    assert max(values) <= 1.3
+    assert 1.24 < values[4] <= 1.25
+    stored = json.loads((tmp_path / "results/map-fit/only/scene.json").read_text())["case"]["command"]
+    assert "--bounds 1.0:2.0 --bounds GrowthMap.cortex.4=1.0:1.25" in stored
+    with pytest.raises(SystemExit):
+        main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--bounds", "none"])
+    assert (
+        main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--bounds", "x=1:2", "--overwrite"]) == 2
+    )
+    assert "bounds names x, which is not fitted" in capsys.readouterr().err
+
+
 def test_a_result_is_a_target_too_and_smoothness_may_be_chosen(target, tmp_path, capsys):
     words = ["--target", "1=hidden/map/only", "--noise", "0.002", "--smoothness", "auto"]
     assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--figure", "mine.svg"]) == 0

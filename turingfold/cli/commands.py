@@ -93,14 +93,15 @@ def _fit(options: argparse.Namespace) -> Answer:
     own = [word for age, file in options.target for word in ("--target", f"{age}={file}")]
     own += [word for age, file in options.landmarks for word in ("--landmarks", f"{age}={file}")]
     own += [word for name in options.to for word in ("--to", name)]
-    bounds = ":".join(map(repr, options.bounds)) if options.bounds else None
+    for name, ends in options.bounds:
+        own += ["--bounds", f"{name}{'=' if name else ''}{':'.join(map(repr, ends))}"]
     smoothness = options.smoothness or None
     for name, value in (
-        ("unit", options.unit), ("bounds", bounds), ("smoothness", smoothness), ("noise", options.noise),
+        ("unit", options.unit), ("smoothness", smoothness), ("noise", options.noise),
     ):  # fmt: skip
         own += [] if value is None else [f"--{name}", str(value)]
     asked = Asked(
-        tuple(options.target), tuple(options.to), options.unit, options.bounds, options.smoothness,
+        tuple(options.target), tuple(options.to), options.unit, tuple(options.bounds), options.smoothness,
         options.noise, tuple(options.landmarks),
     )  # fmt: skip
     return fitted(_pictured(options, "fit", *own), _running(options), asked)

@@ -43,12 +43,12 @@ SHOWN = 5  # maps and other parameters in the figure
 
 @dataclass(frozen=True)
 class Asked:
-    """Targets and landmarks as time and file, and parameters; the rest as in `turingfold.fit`."""
+    """Targets and landmarks as time and file, bounds by name ("": of all), and what `fit` takes."""
 
     targets: tuple[tuple[str, str], ...]
     to: tuple[str, ...]
     unit: str | None = None
-    bounds: tuple[float, float] | None = None
+    bounds: tuple[tuple[str, tuple[float, float]], ...] = ()
     smoothness: float | Literal["auto"] = 0.0
     noise: float | None = None
     landmarks: tuple[tuple[str, str], ...] = ()
@@ -75,8 +75,9 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
         )
     marks = {_time(time): _landmarks(Path(file), asked.unit) for time, file in asked.landmarks}
     found = fit(
-        one.scene, targets, to, bounds=asked.bounds, smoothness=asked.smoothness, noise=asked.noise, out=base,
-        resume=running.resume, progress=_misfits(running.telling), landmarks=marks,
+        one.scene, targets, to, bounds=dict(asked.bounds) or None, smoothness=asked.smoothness,
+        noise=asked.noise, out=base, resume=running.resume, progress=_misfits(running.telling),
+        landmarks=marks,
     )  # fmt: skip
     write_table(base / TABLE, COLUMNS, _rows(found, si=is_si(one.scene)))
     say(_told(found))

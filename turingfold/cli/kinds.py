@@ -71,6 +71,12 @@ def span(text: str) -> tuple[float, float]:
     return low, high
 
 
+def limits(text: str) -> tuple[str, tuple[float, float]]:
+    """Return a name and both ends of NAME=LOW:HIGH; of LOW:HIGH, which is of all, the name ""."""
+    name, _, ends = text.rpartition("=")
+    return name, span(ends)
+
+
 def smoothness(text: str) -> float | str:
     """Return a number, or "auto"."""
     if text == "auto":

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from . import arguments
-from .kinds import assignment, at_least_one, figure, natural, share, smoothness, span, task
+from .kinds import assignment, at_least_one, figure, limits, natural, share, smoothness, task
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -91,7 +91,10 @@ def _add_fit(commands: Commands, shared: list[argparse.ArgumentParser]) -> None:
         help="points at a target's time: CSV with name, x_a, y_a (on the undeformed one), x_b, y_b",
     )  # fmt: skip
     fit.add_argument("--unit", metavar="UNIT", help="of the files, such as mm, where they state none (m)")
-    fit.add_argument("--bounds", type=span, metavar="LOW:HIGH", help="of all parameters")
+    fit.add_argument(
+        "--bounds", action="append", default=[], type=limits, metavar="[PARAMETER=]LOW:HIGH",
+        help="of all parameters, or of one or of all places of a map; may be repeated",
+    )  # fmt: skip
     fit.add_argument(
         "--smoothness", type=smoothness, default=0.0, metavar="W",
         help="weight of the second differences of a map, or auto: as much as the noise allows (0)",

@@ -20,7 +20,7 @@ def limits(
 ) -> tuple[Array, Array]:
     """Return the least and largest value of each parameter, (p,); infinite where none are given.
 
-    bounds: of all parameters, or by their names or those of maps, such as "GrowthMap.cortex".
+    bounds: of all parameters, or by their names or those of maps, such as "GrowthMap.cortex"; "" is of all.
     Those of a single parameter go before those of its map.
     Raises ValueError for a name that is none of the parameters, and for what are no limits.
     """
