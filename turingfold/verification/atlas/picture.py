@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = {VALID: "#0072b2", TOLD: "#e69f00", STOPPED: "#cc79a7", REFUSED: "#999999"}
+DEPTHS = (0.08, 0.1, 0.15, 0.2, 0.3, 0.4)
 MARKS = {VALID: "o", TOLD: "s", STOPPED: "^", REFUSED: "x"}
 
 
@@ -34,6 +35,8 @@ def draw(figure: Figure, rows: Mapping[str, Sequence[Row]]) -> None:
     levels = [ratios.index(float(row["poisson"])) + s for row, s in zip(solid, shift, strict=True)]
     _points(shape, solid, depths, levels)
     shape.set(xscale="log", xlabel="thickness of the cortex / radius", ylabel="Poisson's ratio")
+    shape.set_xticks(DEPTHS, [f"{depth:g}" for depth in DEPTHS])
+    shape.set_xticks([], minor=True)
     shape.set_yticks(range(len(ratios)), [f"{ratio:g}" for ratio in ratios])
     chemical = [*rows["pattern"], *rows["march"]]
     names = sorted({row["kinetics"] for row in chemical})
