@@ -96,10 +96,10 @@ from .results.watch import Tracker as Tracker
 from .scene import Scene as Scene
 from .sensitivity.adjoint import AdjointSensitivity as AdjointSensitivity
 from .sensitivity.adjoint import adjoint_sensitivity as adjoint_sensitivity
-from .sensitivity.fit import Fit as Fit
 from .sensitivity.fit import fit as fit
 from .sensitivity.forward import Sensitivity as Sensitivity
 from .sensitivity.forward import sensitivity as sensitivity
+from .sensitivity.inverse import Fit as Fit
 from .stability.arc_length import EquilibriumPath as EquilibriumPath
 from .stability.arc_length import PathStoppedError as PathStoppedError
 from .stability.arc_length import equilibria as equilibria

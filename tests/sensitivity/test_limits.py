@@ -1,11 +1,9 @@
 """Parameters at the limits of their parts, measures with kinks, several pial surfaces, standard errors."""
 
-import json
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 from skfem import MeshTri2
 from small import elastic_scene, folding_scene
 
@@ -15,8 +13,6 @@ from turingfold import (
     GrowthMap,
     Imperfection,
     NeoHookean,
-    NotConvergedError,
-    OutputError,
     Scene,
     Stepping,
     TangentialGrowth,
@@ -31,8 +27,6 @@ from turingfold import (
 from turingfold.extend import Evolution, Process
 from turingfold.geometry.body import by_node
 from turingfold.parts import TimeStep
-from turingfold.results.surface import along_pial
-from turingfold.sensitivity import fit as fitting
 from turingfold.sensitivity.change import BOTH, ONE
 from turingfold.sensitivity.landmarks import landmarks_of
 from turingfold.sensitivity.measures import measures_of
@@ -302,103 +296,3 @@ def test_standard_errors_are_those_of_repeated_fits():
     assert same.distinct == 3
     assert np.isinf(same.deviations).tolist() == [True, False, False, True]
     np.testing.assert_allclose(np.abs(same.flat[0]), (np.sqrt(0.5), 0, 0, np.sqrt(0.5)), atol=1e-10)
-
-
-def mapped(values):
-    body = half(semicircle(radius=1.0, thickness=0.25, elements=2))
-    return Scene(
-        body=body, terms=(Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),),
-        processes=(GrowthMap(cortex=values, places=(0.0, 0.25, 0.5)),),
-        stepping=Stepping(first=0.25, largest=0.25),
-    )  # fmt: skip
-
-
-NAMES = tuple(f"GrowthMap.cortex.{k}" for k in range(3))
-
-
-def test_the_misfit_that_is_told_is_that_of_the_outlines_alone(tmp_path):
-    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
-    seen = []
-    found = fit(
-        mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES, bounds=(1.0, 1.6), out=tmp_path, smoothness=0.1,
-        landmarks={1.0: 40 * [(0.25, (0.5, 1.0))]}, progress=seen.append,
-    )  # fmt: skip
-    stored = json.loads((tmp_path / "fit.json").read_text())
-    assert stored["misfit"] == pytest.approx(found.misfits[1.0], rel=1e-6)
-    assert seen[-1] == pytest.approx(found.misfits[1.0], rel=1e-6)
-    assert stored["smoothness"] == found.smoothness == 0.1
-
-
-def test_the_smoothness_that_is_chosen_is_the_one_stored(tmp_path):
-    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
-    noisy = pial + 2e-3 * np.random.default_rng(3).standard_normal(pial.shape)
-    noisy[0, [0, -1]], noisy[1, [0, -1]] = pial[0, [0, -1]], pial[1, [0, -1]]
-    found = fit(mapped((1.2, 1.2, 1.2)), {1.0: noisy}, NAMES, smoothness="auto", out=tmp_path)
-    stored = json.loads((tmp_path / "fit.json").read_text())
-    assert stored["smoothness"] == found.smoothness > 1e-4  # not the last one that was tried
-    assert list(stored["parameters"].values()) == found.values.tolist()
-
-
-def test_the_equilibria_of_the_best_values_are_kept():
-    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
-    body = mapped((1.0, 1.0, 1.0)).body
-    surface = along_pial(body, body.nodes[:, body.pial])
-    assert surface.shape == pial.shape
-    problem = fitting._Inverse(mapped((1.1, 1.3, 1.1)), NAMES, {1.0: pial}, {}, 0.0, None, None)
-    best, other = np.array([1.1, 1.3, 1.12]), np.array([1.2, 1.2, 1.1])
-    problem.residuals(best)
-    expected = problem.jacobian(best)
-    problem.residuals(other)
-    solves = problem.solves
-    np.testing.assert_allclose(problem.jacobian(best), expected, rtol=1e-12, atol=1e-12)
-    assert problem.solves == solves
-    problem.scene = replace(problem.scene, stepping=replace(problem.scene.stepping, iterations=1))
-    with pytest.raises(NotConvergedError, match="not found again"):
-        problem.jacobian(np.array([1.5, 1.0, 1.5]))
-
-
-def test_what_is_wrong_with_a_target_names_it():
-    with pytest.raises(ValueError, match=r"targets\[1\] has 3 points; at least 8"):
-        fit(mapped((1.2, 1.2, 1.2)), {1.0: [[1.0, 0.0, -1.0], [0.0, 1.0, 0.0]]}, NAMES)
-
-
-def test_values_at_bounds_and_outlines_that_are_missed_are_told(tmp_path):
-    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
-    found = fit(mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES, bounds={NAMES[1]: (1.0, 1.21)})
-    assert any("GrowthMap.cortex.1: at the largest value allowed" in remark for remark in found.remarks)
-    along = 1.15 * pial  # larger than this scene can make it within its bounds
-    missed = fit(mapped((1.2, 1.2, 1.2)), {1.0: along}, NAMES, bounds=(1.0, 1.3))
-    assert any("the outline at 1 is missed by" in remark for remark in missed.remarks)
-    assert not fit(mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES).remarks
-    blocked = tmp_path / "file"
-    blocked.write_text("in the way")
-    with pytest.raises(OutputError, match="could not write"):
-        fit(mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES, out=blocked)
-    (tmp_path / "fit.json").write_text('{"parameters": {"' + '": NaN, "'.join(NAMES) + '": NaN}}')
-    with pytest.raises(ValueError, match="damaged"):
-        fit(mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES, out=tmp_path, resume=True)
-    with pytest.raises(ValueError, match="give outlines by age"):
-        fit(mapped((1.2, 1.2, 1.2)), pial, NAMES)
-
-
-def test_the_fitted_outline_is_that_of_the_scene_run_again():
-    pial = simulate(mapped((1.1, 1.3, 1.15))).pial()
-    found = fit(mapped((1.2, 1.2, 1.2)), {1.0: pial}, NAMES)
-    np.testing.assert_allclose(found.outlines[1.0], simulate(found.scene).pial(), atol=1e-6)
-    np.testing.assert_allclose(found.outlines[1.0], pial, atol=1e-3)
-
-
-def test_standard_errors_hold_where_points_lie_close_together():
-    """Points closer than their errors: the slopes between them say nothing of where the surface slid to.
-
-    Seeds 0 to 11; of distances from a curve through the points, 75 % of the values lay within 1.96.
-    """
-    hidden, noise, inside = (1.1, 1.3, 1.15), 1.25e-3, []
-    pial = simulate(mapped(hidden)).pial()
-    arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(pial, axis=1))))
-    dense = CubicSpline(arc, pial, axis=1)(np.linspace(0.0, arc[-1], 4 * len(arc)))
-    for seed in range(12):
-        noisy = dense + noise * np.random.default_rng(seed).standard_normal(dense.shape)
-        found = fit(mapped((1.2, 1.2, 1.2)), {1.0: noisy}, NAMES)
-        inside.extend(np.abs(found.values - hidden) < 1.96 * found.deviations)
-    assert np.mean(inside) >= 0.85

@@ -20,7 +20,8 @@ from ..results.result import Result, load, read_result
 from ..results.surface import pial_closed
 from ..results.units import is_si, parameter_unit
 from ..scene import Scene
-from ..sensitivity.fit import Fit, fit
+from ..sensitivity.fit import fit
+from ..sensitivity.inverse import Fit
 from ..sensitivity.parameters import number_of, numbers_of
 from .case import Case, find_case, folder_name
 from .figure import save_figure
@@ -104,7 +105,7 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
     for stray in strays:
         say(f"note: {stray}")
     facts["remarks"] = [*found.remarks, *strays]
-    _draw(picture, found, result, targets)
+    _draw(picture, found, result)
     say(f"figure: {picture}")
     return Answer(status, {**facts, "figures": [str(picture)]})
 
@@ -114,6 +115,8 @@ def _strays(result: Result, found: Fit) -> Iterator[str]:
     thickness, times = result.scene.body.thickness, np.array([state.time for state in result.states])
     for age, fitted_ in found.outlines.items():
         near = int(np.argmin(np.abs(times - age)))
+        if abs(times[near] - age) > 1e-9 * max(age, 1.0):  # it stopped before
+            continue
         off = float(np.hypot(*(result.pial(near) - fitted_)).max())
         if off > STRAYED * thickness:
             yield (
@@ -151,14 +154,14 @@ def _ran(case: Case, one: Planned, request: Request, running: Running) -> Outcom
     return end
 
 
-def _draw(picture: Path, found: Fit, result: Result, targets: dict[float, Array]) -> None:
+def _draw(picture: Path, found: Fit, result: Result) -> None:
     """Draw outlines with their targets, and the values of each map."""
     with save_figure(picture) as figure:
         groups = list(_groups(found.parameters).items())[:SHOWN]
         widths = [2.5, *(1.0 + 0.1 * len(among) for _, among in groups)]
         figure.set_size_inches(2.2 * sum(widths), 4.0)
         outlines, *panels = figure.subplots(1, 1 + len(groups), width_ratios=widths)
-        _draw_outlines(outlines, result, targets)
+        _draw_outlines(outlines, result, found.targets)
         for axes, (name, among) in zip(panels, groups, strict=True):
             _draw_values(axes, found, name, among)
         figure.suptitle(

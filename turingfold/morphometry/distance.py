@@ -28,7 +28,8 @@ class Feet:
     """Where points are nearest to a polygon, n of them.
 
     distances: (n,), positive on its left.  normals: their gradients, unit vectors (2, n).
-    starts, ends: numbers of the corners of the side.  shares: of the way between them, in [0, 1].
+    starts, ends: numbers of the corners of the side.  shares: of the way between them, in [0, 1], or beyond
+    an open end.
     """
 
     distances: Array
@@ -77,6 +78,7 @@ class Polygon:
         if not self.closed:
             beyond = ((nearest == 0) & (along < 0)) | ((nearest == len(self._ahead) - 1) & (along > 1))
             off = np.where(beyond, (gap * normal).sum(0) * normal, off)
+            share = np.where(beyond, along, share)
         size = np.hypot(*off)
         side = np.where((off * normal).sum(0) < 0, -1.0, 1.0)
         unit = np.where(size > 1e-12 * np.sqrt(length2), side * off / np.maximum(size, 1e-300), normal)

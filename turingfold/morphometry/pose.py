@@ -7,7 +7,6 @@ of it that another move or turn takes back.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,32 +17,44 @@ from .polyline import as_polyline
 
 ROUNDS = 30
 STILL = 1e-12  # move or turn, in the size of the curve, that ends them
+TURNS = tuple(np.arange(8) * np.pi / 4)
+CLEARLY = 0.7  # of the distance without a turn, below which one of these is begun with
+RANK = 1e-10  # singular values below this share of the largest are of moves that change nothing
 
-Distances = Callable[[Array], tuple[Array, Array]]  # points (2, n) -> distances (n,), their gradients (2, n)
 
-
-def posed(points: Array, weights: Array, distances: Distances) -> tuple[Array, Array, Array]:
-    """Return the points of a curve laid on its target, their distances, and which of these are rigid.
+def posed(points: Array, weights: Array, target: Polygon) -> tuple[Array, Array, Array]:
+    """Return points laid on a polygon, their distances from it, and which of these are rigid.
 
     points: (2, n).  weights: of the distances, (n,).
-    The distances, (n,), are weighted; rigid, (n, 3), has orthonormal columns: weighted distances that a move
-    or a turn could change.
+    Begins with both centres at one place, turned by the eighth of a circle that comes nearest.
+    The distances, (n,), are weighted; rigid, (n, 3 or 2), has orthonormal columns: weighted distances that a
+    move or a turn could change.
     """
-    centre = points.mean(axis=1, keepdims=True)
-    size = float(np.abs(points - centre).max())
-    start, turn, move = points - centre, 0.0, centre
+    start = points - points.mean(axis=1, keepdims=True)
+    move = target.corners.mean(axis=1, keepdims=True)
+    size = float(np.abs(start).max())
+
+    def at(turn: float) -> tuple[Array, Array, Array]:
+        arms = _rotation(turn) @ start
+        return arms, *target.distances(arms + move)
+
+    missed = [float(np.linalg.norm(weights * at(turn)[1])) for turn in TURNS]
+    turn = TURNS[int(np.argmin(missed))] if min(missed) < CLEARLY * missed[0] else 0.0
     for _ in range(ROUNDS):
-        rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-        arms = rotation @ start
+        arms, distance, gradient = at(turn)
         placed = arms + move
-        distance, gradient = distances(placed)
         turning = gradient[1] * arms[0] - gradient[0] * arms[1]
-        rigid = weights[:, None] * np.stack([*gradient, turning], axis=1)
-        change = np.linalg.lstsq(rigid, -weights * distance, rcond=1e-10)[0]
-        if max(np.abs(change[:2]).max() / size, abs(change[2])) < STILL:
+        rigid = weights[:, None] * np.stack([gradient[0], gradient[1], turning / size], axis=1)
+        change = np.linalg.lstsq(rigid, -weights * distance, rcond=RANK)[0]
+        if np.abs(change[:2]).max() / size < STILL and abs(change[2]) / size < STILL:
             break
-        move, turn = move + change[:2, None], turn + float(change[2])
-    return placed, weights * distance, np.linalg.qr(rigid)[0]
+        move, turn = move + change[:2, None], turn + float(change[2]) / size
+    left, singular, _ = np.linalg.svd(rigid, full_matrices=False)
+    return placed, weights * distance, left[:, singular > RANK * singular[0]]
+
+
+def _rotation(turn: float) -> Array:
+    return np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
 
 
 def without_rigid(rows: Array, rigid: Array) -> Array:
@@ -61,5 +72,5 @@ def outline_distance(points: Any, target: Any, *, closed: bool | None = None) ->
     lengths = curve.lengths if curve.closed else np.append(curve.lengths, 0.0)
     shares = 0.5 * (lengths + np.roll(lengths, 1)) / curve.length
     weights = np.sqrt(shares)
-    _, found, _ = posed(curve.points, weights, Polygon(other.points, other.closed).distances)
+    _, found, _ = posed(curve.points, weights, Polygon(other.points, other.closed))
     return float(np.sum(np.abs(found) * weights))

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array, Booleans, Integers
 from ..checks import finite_array
 from ..geometry.body import Body
-from ..geometry.surface_table import arcs_of, checked_places
+from ..geometry.surface_table import Places, arcs_of, checked_places
 from ..results.surface import mirror_line
 from .targets import FAR
 
@@ -69,9 +69,10 @@ def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> La
         )
     curve, length = body.pial_curve, body.pial_curve.length
     whole = length * (2.0 if body.mirror else 1.0)
-    arc = arcs_of(checked_places(places, len(points), what), body.pial_curves, whole, body.thickness)
-    mirrored = np.asarray(arc > length)
-    arc = np.where(mirrored, whole - arc, arc)
+    known, mirrored = _on_the_half(body, checked_places(places, len(points), what))
+    arc = arcs_of(known, body.pial_curves, whole, body.thickness)
+    mirrored |= arc > length
+    arc = np.where(arc > length, whole - arc, arc)
     ends = np.append(curve.arc, length) if curve.closed else curve.arc
     pial = np.append(body.pial, body.pial[0]) if curve.closed else body.pial
     edge = np.clip(np.searchsorted(ends[::2], arc, side="right") - 1, 0, len(ends) // 2 - 1)
@@ -80,6 +81,17 @@ def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> La
     xi = np.where(arc < middle, (arc - middle) / (middle - low), (arc - middle) / (high - middle))
     shares = np.stack([0.5 * xi * (xi - 1), (1 - xi) * (1 + xi), 0.5 * xi * (xi + 1)])
     return Landmarks(body, pial[nodes], shares, mirrored, targets)
+
+
+def _on_the_half(body: Body, places: Places) -> tuple[Places, Booleans]:
+    """Return places of which points on the image of half a body are put on the half, and which these are."""
+    found = np.array(places)
+    if not body.mirror or found.ndim == 1:
+        return places, np.zeros(len(found), dtype=bool)
+    line = mirror_line(body)
+    beyond = np.asarray((found[:, 0] - line) * (body.nodes[0].mean() - line) < 0)
+    found[beyond, 0] = 2 * line - found[beyond, 0]
+    return tuple((x, y) for x, y in found.tolist()), beyond
 
 
 def checked_landmarks(

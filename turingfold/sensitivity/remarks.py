@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
 from ..arrays import Array
+from .inverse import Fit
 
 MISSED = 0.05  # thicknesses of the cortex by which outlines are missed that is told, where no noise is given
-UNLIKELY = 3.0  # the same, in standard deviations of the noise
+UNLIKELY = 3.0  # standard deviations of the sum of squares above what the noise gives, likewise
+APART = 2.0  # times the misfit, and MISSED beyond it: a surface with folds that the outline lacks
 AT_BOUND = 1e-3  # share of a bound, or of what is between both, by which a value is at it: scipy stays inside
 
 
-def remarks(
-    to: Sequence[str], values: Array, low: Array, high: Array, misfits: Mapping[float, float],
-    thickness: float, noise: float | None,
-) -> Iterator[str]:  # fmt: skip
+def remarks(found: Fit, low: Array, high: Array, noise: float | None) -> Iterator[str]:
     """Yield sentences: which values are at a bound, and which outlines are missed by much.
 
-    values, low, high: (p,).  misfits: by age, m.  noise: of the targets, m, if it is known.
+    low, high: bounds, (p,).  noise: of the targets, m, if it is known.
     """
+    thickness = found.scene.body.thickness
     for bound, word in ((low, "least"), (high, "largest")):
         near = AT_BOUND * np.where(np.isfinite(high - low), high - low, np.abs(bound))
-        held_at = np.isfinite(bound) & (np.abs(values - bound) <= near)
-        held = [name for name, at in zip(to, held_at, strict=True) if at]
+        held_at = np.isfinite(bound) & (np.abs(found.values - bound) <= near)
+        held = [name for name, at in zip(found.parameters, held_at, strict=True) if at]
         if held:
             yield f"{', '.join(held)}: at the {word} value allowed; standard errors are those without it"
-    allowed = MISSED * thickness if noise is None else UNLIKELY * noise
-    for age, misfit in misfits.items():
+    smooth = ", or the map is too smooth" if found.smoothness > 0 else ""
+    for age, misfit in found.misfits.items():
+        allowed = MISSED * thickness
+        if noise is not None:
+            count = found.targets[age].shape[1]
+            allowed = noise * np.sqrt(1 + UNLIKELY * np.sqrt(2 / count))
         if misfit > allowed:
             what = f"{misfit / thickness:.2g} of the cortical thickness"
             what += "" if noise is None else f", {misfit / noise:.2g} times the noise"
             yield (
                 f"the outline at {age:g} is missed by {what}: the scene cannot make it, or folded into "
-                "another branch; start from other values"
+                f"another branch{smooth}; start from other values"
+            )
+        if found.strays[age] > APART * misfit + MISSED * thickness:
+            yield (
+                f"at {age:g} the surface is {found.strays[age] / thickness:.2g} thicknesses of the cortex "
+                "off the outline, which lies nearer to it: it has folds that the outline lacks"
             )

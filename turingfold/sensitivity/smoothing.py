@@ -13,7 +13,7 @@ WEIGHTS = 10.0 ** np.arange(0.0, -4.1, -0.5)
 
 
 class Fitted(Protocol):
-    """What is read of a fit: its parameters with their values, and the misfit at each age, m."""
+    """What is read of a fit: parameters, values, misfits at each age, number and size of all residuals; m."""
 
     @property
     def parameters(self) -> tuple[str, ...]: ...  # noqa: D102
@@ -24,6 +24,12 @@ class Fitted(Protocol):
     @property
     def misfits(self) -> dict[float, float]: ...  # noqa: D102
 
+    @property
+    def count(self) -> int: ...  # noqa: D102
+
+    @property
+    def rms(self) -> float: ...  # noqa: D102
+
 
 Fit = TypeVar("Fit", bound=Fitted)
 
@@ -33,31 +39,33 @@ def second_differences(parameters: Sequence[str]) -> Array:
     rows = []
     for k in range(1, len(parameters) - 1):
         near = [name.rpartition(".") for name in parameters[k - 1 : k + 2]]
-        if len({stem for stem, _, _ in near}) == 1 and all(tail.isdecimal() for _, _, tail in near):
+        places = [int(tail) if tail.isdecimal() else None for _, _, tail in near]
+        follow = None not in places and set(np.diff(np.array(places, dtype=int))) in ({1}, {-1})
+        if follow and len({stem for stem, _, _ in near}) == 1:
             row = np.zeros(len(parameters))
             row[k - 1 : k + 2] = 1.0, -2.0, 1.0
             rows.append(row)
     return np.array(rows).reshape(-1, len(parameters))
 
 
-def smoothest(
-    fitted: Callable[[float, Fit | None], Fit], noise: float | None, points: int
-) -> tuple[Fit, str]:
+def smoothest(fitted: Callable[[float, Fit | None], Fit], noise: float | None) -> tuple[Fit, str]:
     """Return a fit of well chosen weight of smoothness, and how it was chosen.
 
-    fitted: makes a fit with a weight, starting from another one.  noise: of the targets' `points`, m. With
-    it, the largest weight that raises the sum of (distance / noise)² by no more than the number of parameters
-    above that of the least weight: what it moves them by is then about what the noise does. Without, that at
-    the corner of the curve of log roughness over log misfit, where more smoothness begins to cost misfit (the
+    fitted: makes a fit with a weight, starting from another one.  noise: of the targets, m. With it, the
+    largest weight that raises the sum of (residual / noise)² by no more than the number of parameters above
+    that of the least weight: what it moves them by is then about what the noise does. Without, that at the
+    corner of the curve of log roughness over log misfit, where more smoothness begins to cost misfit (the
     L-curve: Hansen, SIAM Review 34:561, 1992).
     """
     found: list[Fit] = []
     for weight in WEIGHTS.tolist():
         found.append(fitted(weight, found[-1] if found else None))
     if noise is not None:
-        squares = points * np.square([misfit(one) / noise for one in found])
+        squares = np.array([one.count * (one.rms / noise) ** 2 for one in found])
         k = int(np.argmax(squares <= squares[-1] + len(found[-1].values)))
-        return found[k], f"smoothness {WEIGHTS[k]:.2g}, the most that moves the map by no more than the noise"
+        ends = {0: ", the largest tried", len(found) - 1: ", the least tried"}.get(k, "")
+        how = f"the most that moves the map by no more than the noise{ends}"
+        return found[k], f"smoothness {WEIGHTS[k]:.2g}, {how}"
     differences = second_differences(found[0].parameters)
     rough = np.array([np.linalg.norm(differences @ one.values) for one in found])
     k = corner(np.log([misfit(one) for one in found]), np.log(np.maximum(rough, 1e-300)))

@@ -26,16 +26,15 @@ class Told:
 
 
 def smoothed_away(jacobian: Array, roughness: Array, values: Array) -> Array:
-    """Return about how much weighted second differences change fitted values, (p,).
+    """Return how far weighted second differences took fitted values from those of the data alone, (p,).
 
-    Minimising |r|² + |R β|² moves β by (JᵀJ + RᵀR)⁻¹ RᵀR β; of the true β, for which the fitted one stands.
-    jacobian: of all residuals, those of the roughness R (rows, p) among them.
+    At the least of |r|² + |R β|² it is Jᵀr + RᵀR β = 0; a Gauss-Newton step to Jᵀr = 0 is (JᵀJ)⁺ RᵀR β.
+    jacobian: of the data, (rows, p).  roughness: R, (rows, p).
     """
     if not len(roughness):
         return np.zeros(len(values))
-    return np.asarray(
-        np.linalg.pinv(jacobian.T @ jacobian, hermitian=True) @ (roughness.T @ (roughness @ values))
-    )
+    inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=DISTINCT**2, hermitian=True)
+    return np.asarray(inverse @ (roughness.T @ (roughness @ values)))
 
 
 def told(jacobian: Array, spread: Array) -> Told:
@@ -44,7 +43,8 @@ def told(jacobian: Array, spread: Array) -> Told:
     β errs by A ε with A the pseudo-inverse of the Jacobian (rows, p); spread: standard deviation of the
     residuals' errors ε, (rows,), taken as independent.
     """
-    scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    sizes = np.linalg.norm(jacobian, axis=0)
+    scale = np.where(sizes > 0, sizes, 1.0)  # of a parameter without any effect
     left, singular, modes = np.linalg.svd(jacobian / scale, full_matrices=False)
     known = singular > DISTINCT * singular[0]
     inverse = (modes[known].T / singular[known]) @ left[:, known].T
