@@ -72,3 +72,27 @@ def test_a_scene_with_drag_is_refused_by_name(case, tmp_path, capsys):
     assert main(["sensitivity", case, "--quick"]) == 2
     assert "scene 'only': terms holds Drag" in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "results").exists()
+
+
+def test_parameters_that_cannot_change_alone_are_left_out_unless_named(tmp_path, monkeypatch, capsys):
+    """Half a body with a map of the whole surface, its own image: no single value of it may change."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "even.py").write_text(
+        '''"""A symmetric map on half a body."""
+from turingfold import Elastic, GrowthMap, NeoHookean, Scene, Stepping, half, semicircle
+
+def scenes(quick=False):
+    body = half(semicircle(radius=1.0, thickness=0.2, elements=2))
+    terms = (Elastic(gray=NeoHookean(mu=1.0, kappa=5.0)),)
+    grow = GrowthMap(cortex=(1.1, 1.3, 1.1), places=(0.1, 0.5, 0.9))
+    steps = Stepping(first=0.5, largest=0.5)
+    return {"only": Scene(body=body, terms=terms, processes=(grow,), stepping=steps)}
+'''
+    )
+    assert main(["sensitivity", "even.py", "--of", "perimeter"]) == 0
+    said = capsys.readouterr().out
+    assert "note: GrowthMap.cortex.0 is left out" in said
+    assert "GrowthMap.cortex.1 " in said
+    words = ["sensitivity", "even.py", "--to", "GrowthMap.cortex.0", "--overwrite"]
+    assert main(words) == 2
+    assert "half a body is one of two alike" in capsys.readouterr().err

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..figures.bars import tornado
-from ..results.result import load
+from ..results.result import Result, load
 from ..results.units import is_si, parameter_unit
 from ..scene import Scene
 from ..sensitivity.forward import Sensitivity, sensitivity
 from ..sensitivity.parameters import number_of, numbers_of
+from ..sensitivity.tangent import Equilibrium
 from ..stability.path_dependence import refuse_motion
 from .case import find_case, folder_name
 from .figure import save_figure
@@ -65,7 +66,7 @@ def sensitivities(request: Request, running: Running, asked: Asked) -> Answer:
     for name, to in parameters.items():
         result = load(base / folder_name(name), known=case.known)
         try:
-            found[name] = sensitivity(result, to=to, of=asked.of or MEASURES)
+            found[name] = _sensitivity(result, to, asked)
         except ValueError as error:
             raise ValueError(f"scene {name!r}: {error}") from error
         say("\n".join(_told(name, found[name])))
@@ -78,6 +79,25 @@ def sensitivities(request: Request, running: Running, asked: Asked) -> Answer:
     say(f"figure: {picture}")
     own = {name: _facts(one) for name, one in found.items()}
     return Answer(status, {**facts, "scenes": own, "table": str(base / TABLE), "figures": [str(picture)]})
+
+
+def _sensitivity(result: Result, to: tuple[str, ...], asked: Asked) -> Sensitivity:
+    """Return the sensitivities of a result, without parameters that nobody named and that cannot change."""
+    of = asked.of or MEASURES
+    try:
+        return sensitivity(result, to=to, of=of)
+    except ValueError:
+        if asked.to:
+            raise
+    here, free = Equilibrium.of(result, -1), []
+    for name in to:
+        try:
+            here.change(name)
+        except ValueError as error:  # such as half of a symmetric map
+            say(f"note: {name} is left out: {error}")
+        else:
+            free.append(name)
+    return sensitivity(result, to=free, of=of)
 
 
 def draw(figure: Figure, found: Mapping[str, Sensitivity]) -> None:
