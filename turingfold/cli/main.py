@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if _has(options, "json"):
         import json
 
-        from ..results.files import as_plain
+        from ..results.plain import as_plain
 
         facts = as_plain({"exit_status": answer.status, **answer.facts})
         say(json.dumps(facts, allow_nan=False))

@@ -13,9 +13,10 @@ from typing import Any
 
 from ..figures.grids import grid
 from ..figures.style import sulci
-from ..results.files import as_plain, writing
+from ..results.files import writing
 from ..results.folder import expected_size
 from ..results.lock import FolderLock
+from ..results.plain import as_plain
 from ..results.result import Result, read_result
 from ..results.simulate import CoarseMeshWarning, coarseness
 from ..results.units import is_si

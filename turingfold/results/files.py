@@ -22,6 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .plain import as_plain
+
 CHECKSUM = "sha256"
 GO_ON = "Everything written before is complete; {}, then go on with resume=True (--resume)"
 FREE_SPACE = GO_ON.format("free some space")
@@ -175,14 +177,3 @@ def digest(arrays: Mapping[str, NDArray[Any]]) -> str:
         total.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
         total.update(array.tobytes())
     return total.hexdigest()
-
-
-def as_plain(value: Any) -> Any:
-    """Return numbers, texts, lists and tables as JSON has them; numbers that are not finite become None."""
-    if isinstance(value, dict):
-        return {key: as_plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [as_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not np.isfinite(value) else value
