@@ -133,10 +133,11 @@ def evenly(body: Body, count: int, what: str) -> Places:
 def _on(body: Body, places: Places, values: Array, between: str, points: Array, arc: Array) -> Array:
     """Return values (k,) at points (2, n) of the body with arc lengths (n,)."""
     curves = body.pial_curves
-    if body.mirror:
+    shares = np.array(places)
+    if body.mirror and shares.ndim == 1 and shares.max() > 0.5:
         line = body.nodes[0, body.boundary_path("mirror")[0][0]]
         ends = np.abs(body.nodes[0, body.pial[[0, -1]]] - line) <= 1e-9 * body.length
-        _check_symmetric(np.array(places), values, closed=bool(ends.all()))
+        _check_symmetric(shares, values, closed=bool(ends.all()))
     length = curves.length * (2.0 if body.mirror else 1.0)
     knots = arcs_of(places, curves, length, body.thickness)
     return _interpolated(arc, knots, values, curves, between, points)
@@ -147,8 +148,6 @@ def _check_symmetric(shares: Array, values: Array, *, closed: bool) -> None:
 
     closed: whether the whole surface is.
     """
-    if shares.ndim > 1 or shares.max() <= 0.5:
-        return
     order = np.argsort(shares, kind="stable")
     known, lap = (shares[order], values[order]), 1.0 if closed else None
     here, image = (np.interp(at, *known, period=lap) for at in (shares, 1.0 - shares))
