@@ -1,4 +1,4 @@
-"""The three hypotheses on and off, and growth: nine combinations on the semi-circle, three seeds. 5 min.
+"""The three hypotheses on and off, and growth: nine combinations on the semi-circle, three seeds. 2 min.
 
     turingfold run cases/hypotheses.py      draws figures/hypotheses.png; results/hypotheses/table.md and .csv
 
@@ -92,7 +92,8 @@ def draw(results, figure):
     for axes, name, result in figures.section_grid(figure, 3, 3, first):
         idle = "IPH" in name and "ATH" not in name
         note = " (the pattern has no way to act)" if idle else ""
-        axes.set_title(f"{name}{note}\n{figures.measures(result)}", fontsize=9)
+        words = figures.measures(result).replace(", registration", ",\nregistration")
+        axes.set_title(f"{name}{note}\n{words}", fontsize=9)
 
 
 if __name__ == "__main__":
