@@ -19,10 +19,9 @@ from scipy.optimize import least_squares
 
 from ..checks import finite, instance, positive
 from ..scene import Scene
-from .fit_setup import best_so_far, check_fitted, checked_start, keep_best, limits, make_folder
+from .fit_setup import begun_with, check_fitted, keep_best, make_folder
 from .inverse import Fit, Inverse
 from .landmarks import checked_landmarks
-from .parameters import values_in
 from .remarks import remarks
 from .smoothing import misfit, second_differences, smoothest
 from .targets import checked_targets
@@ -54,7 +53,7 @@ def fit(
     """Return the parameters with which the scene's pial surface comes closest to target outlines.
 
     targets: by age (the scene's time), points (2, n) in m, in order; open ones reach as far as the pial
-    surface; a body that nothing supports is laid on them first.  to: parameters, such as
+    surface; those of a body that nothing supports are laid on it first.  to: parameters, such as
     "GrowthMap.cortex.0", "TangentialGrowth.core", "Elastic.gray.mu".
     bounds: least and largest value of all, or by parameter or map ("GrowthMap.cortex") of those named.
     landmarks: by age, pairs of a place on the undeformed surface, a share of its length or a point in m, and
@@ -89,14 +88,8 @@ def fit(
     positive("tolerance", tolerance)
     curves = checked_targets(scene, targets)
     marks = checked_landmarks(scene.body, curves, landmarks or {})
-    values = values_in(scene, to)
-    if resume:
-        if out is None:
-            raise ValueError("resume=True goes on from what `out` holds; give that folder.")
-        values = best_so_far(Path(out), tuple(to), values)
-    low, high = limits(bounds, to)
-    values = checked_start(values, low, high, to)
     folder = None if out is None else Path(out)
+    values, low, high = begun_with(scene, tuple(to), bounds, folder, resume=resume)
     if folder is not None:
         make_folder(folder)
     problem = Inverse(scene, tuple(to), curves, marks, smoothness, folder, progress)

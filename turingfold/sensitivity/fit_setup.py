@@ -11,6 +11,8 @@ import numpy as np
 from ..arrays import Array
 from ..checks import finite
 from ..results.files import write_whole, writing
+from ..scene import Scene
+from .parameters import values_in
 
 BEST = "fit.json"
 
@@ -41,6 +43,24 @@ def limits(
     if not (low < high).all():
         raise ValueError(f"bounds={bounds!r}: each is the least and the largest value, in this order.")
     return low, high
+
+
+def begun_with(
+    scene: Scene, to: tuple[str, ...], bounds: tuple[float, float] | Mapping[str, tuple[float, float]] | None,
+    folder: Path | None, *, resume: bool,
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Return the values that a fit begins with, and their least and largest ones, (p,) each.
+
+    folder: of the fit that is resumed.
+    Raises ValueError for limits that are none, values outside them, and nothing to resume.
+    """
+    values = values_in(scene, to)
+    if resume:
+        if folder is None:
+            raise ValueError("resume=True goes on from what `out` holds; give that folder.")
+        values = best_so_far(folder, to, values)
+    low, high = limits(bounds, to)
+    return checked_start(values, low, high, to), low, high
 
 
 def checked_start(values: Array, low: Array, high: Array, to: Sequence[str]) -> Array:

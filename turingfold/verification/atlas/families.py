@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -49,10 +50,7 @@ def drawn(random: Generator, family: str) -> dict[str, Any]:
     Lengths are in units of the radius, moduli in those of white matter, tension in μT of the cortex, drag in
     μ/R² over the time, times in R √(ρ/μ).
     """
-    far = family == EXTREME
-
-    def choose(*values: Any) -> Any:
-        return values[random.integers(len(values))]
+    far, choose = family == EXTREME, partial(_one_of, random)
 
     def between(low: float, high: float, lowest: float, highest: float) -> float:
         """Return a value between the first two; of extreme scenes half the times between the last two."""
@@ -99,16 +97,24 @@ def drawn(random: Generator, family: str) -> dict[str, Any]:
         "solver": choose("auto", "superlu" if family == STEPPING else "auto"),
         "noise_seed": int(random.integers(1000)),
     }
-    if family == STEPPING:
-        largest = float(10 ** random.uniform(-2, 0))
-        first, smallest = (largest * float(10 ** random.uniform(-low, 0)) for low in (3, 0))
-        cell |= {
-            "largest": largest, "first": first,
-            "smallest": min(smallest, first) * choose(1.0, 0.1, 1e-3, 1e-6),
-            "tolerance": float(10 ** random.uniform(-13, -3)), "allowed": choose(1, 3, 8, 20, 60, 300),
-            "stops": choose(0, 1, 5),
-        }  # fmt: skip
-    return cell
+    return cell | (_stepping(random) if family == STEPPING else {})
+
+
+def _one_of(random: Generator, *values: Any) -> Any:
+    return values[random.integers(len(values))]
+
+
+def _stepping(random: Generator) -> dict[str, Any]:
+    """Return steps of all lengths, tolerances and numbers of iterations."""
+    choose = partial(_one_of, random)
+    largest = float(10 ** random.uniform(-2, 0))
+    first, smallest = (largest * float(10 ** random.uniform(-low, 0)) for low in (3, 0))
+    return {
+        "largest": largest, "first": first,
+        "smallest": min(smallest, first) * choose(1.0, 0.1, 1e-3, 1e-6),
+        "tolerance": float(10 ** random.uniform(-13, -3)), "allowed": choose(1, 3, 8, 20, 60, 300),
+        "stops": choose(0, 1, 5),
+    }  # fmt: skip
 
 
 def _body(cell: Mapping[str, Any]) -> Body:
