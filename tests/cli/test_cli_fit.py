@@ -100,6 +100,12 @@ def test_bounds_of_all_and_of_one_parameter(target, tmp_path, capsys):
         main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, "--bounds", "x=1:2", "--overwrite"]) == 2
     )
     assert "bounds names x, which is not fitted" in capsys.readouterr().err
+    again = ["--target", f"1.0={target}", "--overwrite"]
+    assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, *again]) == 2
+    assert "--target has the time 1 twice" in capsys.readouterr().err
+    early = ["--landmarks", "soon=marks.csv", "--overwrite"]
+    assert main(["fit", "map.py", "--to", "GrowthMap.cortex", *words, *early]) == 2
+    assert "--landmarks soon=marks.csv: 'soon' is no time" in capsys.readouterr().err
 
 
 def test_a_result_is_a_target_too_and_smoothness_may_be_chosen(target, tmp_path, capsys):

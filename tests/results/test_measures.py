@@ -6,6 +6,7 @@ from small import elastic_scene
 
 from turingfold import Body, TangentialGrowth, half, semicircle, simulate
 from turingfold.results.measures import area_numbers, fold_numbers
+from turingfold.results.units import parameter_unit
 from turingfold.state import State
 
 
@@ -100,3 +101,8 @@ def test_a_free_body_that_grows_evenly_in_all_directions_grows_by_the_square():
     numbers = simulate(elastic_scene(grow, body=free)).summary()
     for name in ("area_growth", "core_growth", "centre_growth"):
         assert numbers[name] == pytest.approx(1.44, rel=1e-6)
+
+
+def test_a_reaction_rate_has_no_unit_though_it_is_called_as_a_modulus():
+    assert parameter_unit("Elastic.gray.kappa") == "Pa"
+    assert parameter_unit("Turing.kinetics.kappa") == ""

@@ -67,14 +67,16 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
         raise ValueError(f"{case.shown} has the scenes {names}; choose one with --only.")
     (one,) = plan
     to = expanded(one.scene, asked.to)
-    targets = {_time(time): outline(Path(file), asked.unit, case.known) for time, file in asked.targets}
+    files = _by_time("--target", asked.targets)
+    targets = {time: outline(file, asked.unit, case.known) for time, file in files.items()}
     base = base_folder(case, request)
     if has_result(base, one.name) and not (running.resume or running.overwrite):
         raise ValueError(
             f"{base} already holds a fit; go on with it (--resume), replace it (--overwrite), or choose "
             "another folder (--out DIR)."
         )
-    marks = {_time(time): _landmarks(Path(file), asked.unit) for time, file in asked.landmarks}
+    tables = _by_time("--landmarks", asked.landmarks)
+    marks = {time: _landmarks(file, asked.unit) for time, file in tables.items()}
     found = fit(
         one.scene, targets, to, bounds=dict(asked.bounds) or None, smoothness=asked.smoothness,
         noise=asked.noise, out=base, resume=running.resume, progress=_misfits(running.telling),
@@ -121,7 +123,7 @@ def _strays(result: Result, found: Fit) -> Iterator[str]:
         if off > STRAYED * thickness:
             yield (
                 f"run from its start, the scene is up to {off / thickness:.2g} of the cortical thickness off "
-                f"the fitted outline at {age:g}: it folds into another branch there"
+                f"the fitted outline at {age:g}: it may have folded into another branch there"
             )
 
 
@@ -202,11 +204,18 @@ def _landmarks(path: Path, unit: str | None) -> list[tuple[Any, Any]]:
     return [(tuple(place), tuple(point)) for place, point in places.tolist()]
 
 
-def _time(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        raise ValueError(f"--target {text}=...: {text!r} is no time; write 1=outline.csv.") from error
+def _by_time(option: str, given: tuple[tuple[str, str], ...]) -> dict[float, Path]:
+    """Return files by time; raises ValueError for what is no time, and for one that is given twice."""
+    found: dict[float, Path] = {}
+    for text, file in given:
+        try:
+            time = float(text)
+        except ValueError as error:
+            raise ValueError(f"{option} {text}={file}: {text!r} is no time; write 1={file}.") from error
+        if time in found:
+            raise ValueError(f"{option} has the time {time:g} twice; give one file for each.")
+        found[time] = Path(file)
+    return found
 
 
 def _rows(found: Fit, *, si: bool = False) -> list[tuple[str, str, float, float]]:

@@ -86,9 +86,10 @@ def _sensitivity(result: Result, to: tuple[str, ...], asked: Asked) -> Sensitivi
     of = asked.of or MEASURES
     try:
         return sensitivity(result, to=to, of=of)
-    except ValueError:
+    except ValueError as error:
         if asked.to:
             raise
+        cause = error
     here, free = Equilibrium.of(result, -1), []
     for name in to:
         try:
@@ -97,6 +98,8 @@ def _sensitivity(result: Result, to: tuple[str, ...], asked: Asked) -> Sensitivi
             say(f"note: {name} is left out: {error}")
         else:
             free.append(name)
+    if len(free) in (0, len(to)):  # it was something else
+        raise cause
     return sensitivity(result, to=free, of=of)
 
 

@@ -64,6 +64,8 @@ def stored_unit(scene: Scene, name: str) -> str:
 
 def parameter_unit(name: str) -> str:
     """Return the unit of a parameter of a part in SI, of those that always have the same one; else ""."""
+    if ".kinetics." in f".{name}":  # rates of reactions, which are pure numbers, have the same letters
+        return ""
     return next((unit for end, unit in PARAMETERS.items() if f".{name}".endswith(f".{end}")), "")
 
 

@@ -34,12 +34,12 @@ def half_waves(body: Body, shape: Array) -> int:
 def extent_of(body: Body, shape: Array) -> float:
     """Return what share of the pial surface bears a displacement (2, n_nodes).
 
-    That is 3/2 (∫u² ds)² / (L ∫u⁴ ds) of its normal component u: 1 for equal waves such as cos(nθ), m/n where
-    m of n of them are there.
+    That is 3/2 (∫u² ds)² / (L ∫u⁴ ds) of its normal component u, at most 1: 1 for equal waves such as
+    cos(nθ), m/n where m of n of them are there.
     """
     values, steps = _along(body, _normal(body, shape))
     square, fourth = (_integral(values**power, steps) for power in (2, 4))
-    return 1.5 * square**2 / (float(steps.sum()) * fourth)
+    return min(1.0, 1.5 * square**2 / (float(steps.sum()) * fourth)) if fourth > 0 else 0.0
 
 
 def _held(body: Body, normal: Array) -> float:

@@ -151,6 +151,8 @@ def _apart(places: Array, most: int) -> Array:
 
     most: how many numbers have room side by side.
     """
+    if not places.size:  # such as medians of counts that are all fractions
+        return places
     gap = np.ptp(places) / (most - 1) * (1 - 1e-9)
     chosen = [places[0]]
     for place in places[1:-1]:
