@@ -51,7 +51,7 @@ class Guard:
         """Return the refusal, or the way back with a cookie; None where the app is to answer."""
         host = request.headers.get("host", "")
         origin = request.headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
+        if origin is not None and _place(origin) != host:
             return PlainTextResponse("This request comes from a page of another site.", 403)
         elsewhere = request.headers.get("sec-fetch-site") in ("cross-site", "same-site")
         if elsewhere and request.url.path.startswith("/api/"):
@@ -72,6 +72,14 @@ class Guard:
     def _is_token(self, given: str | None) -> bool:
         own = self._token or ""
         return given is not None and secrets.compare_digest(given.encode(), own.encode())
+
+
+def _place(origin: str) -> str | None:
+    """Return host and port of an Origin header."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return None
 
 
 def _name(host: str) -> str | None:

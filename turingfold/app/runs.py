@@ -127,13 +127,13 @@ class Runs:
 
     def resume(self, run: Run, choice: Choice) -> None:
         """Go on with a run that was stopped; raises ValueError for one that is under way or at its end."""
-        status, _ = self.status(run)
-        if status not in ("interrupted", "stopped"):
-            raise ValueError(f"the run is {status}; only one that was stopped can go on.")
         asked = run.asked
         changed = choice.changed(asked["values"], quick=bool(asked["quick"]))
         words = choice.words(str(asked["scene"]), changed, quick=bool(asked["quick"]))
-        with self._lock:
+        with self._lock:  # of two that ask at once, the second finds it under way
+            status, _ = self.status(run)
+            if status not in ("interrupted", "stopped"):
+                raise ValueError(f"the run is {status}; only one that was stopped can go on.")
             self._check_room()
             self._told.discard(run.id)
             self._start(run, [*words, "--resume"])
