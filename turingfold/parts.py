@@ -156,6 +156,13 @@ class Evaluation(ABC):
         return {}
 
 
+class Abrupt(Evaluation):
+    """An evaluation whose curvature comes and goes within a short way, as that of walls which touch.
+
+    Where a tangent is not positive definite, such energies are made convex first, and alone if that will do.
+    """
+
+
 class SearchLine(ABC):
     """One energy along x + s d, as a line search sees it.
 

@@ -65,7 +65,7 @@ def test_assembled_entries_are_the_assembled_matrix(n, count, fixed, seed):
     np.testing.assert_allclose(full(pattern, values), expected, atol=1e-13)
     assert (np.diff(pattern.keys) > 0).all()
     x = np.random.default_rng(seed).standard_normal(len(free))
-    np.testing.assert_allclose(pattern.times(values, x), expected @ x, atol=1e-11)
+    np.testing.assert_allclose(pattern.product(values)(x), expected @ x, atol=1e-11)
 
 
 def test_a_pattern_is_kept_until_it_lacks_a_place():

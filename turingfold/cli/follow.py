@@ -64,9 +64,7 @@ def follow(request: Request, telling: Telling, folder: Path) -> Answer:
         }
         for name, path in paths.items()
     }  # fmt: skip
-    return Answer(
-        STOPPED if stopped else 0, {"case": case.name, "scenes": facts, "figures": [str(picture)]}
-    )
+    return Answer(STOPPED if stopped else 0, {"case": case.name, "scenes": facts, "figures": [str(picture)]})
 
 
 def _row(watch: Watch, name: str, point: PathPoint) -> None:

@@ -125,7 +125,7 @@ class _Finer:
         sparsity, values = new.assemble(at.hessians(1.0))
         diagonal, shape = sparsity.lower(values).diagonal(), (len(new.free), len(new.free))
         inverse = LinearOperator(shape, matvec=lambda x: x / diagonal)
-        matrix = LinearOperator(shape, matvec=lambda x: sparsity.times(values, x))
+        matrix = LinearOperator(shape, matvec=sparsity.product(values))
         move[new.free], failed = cg(matrix, -forces[new.free], rtol=LOCAL, maxiter=500, M=inverse)
         if failed:
             raise NoEstimateError("the finer mesh has no stiffness of its own")

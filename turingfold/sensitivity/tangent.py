@@ -112,6 +112,6 @@ class Tangent:
         free = self.assembler.free
         b, whole = gradient[free], np.zeros(len(gradient))
         found = self.factors.solve(b)
-        found += self.factors.solve(b - self.sparsity.times(self.values, found))
+        found += self.factors.solve(b - self.sparsity.product(self.values)(found))
         whole[free] = found
         return whole

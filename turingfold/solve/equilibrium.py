@@ -87,4 +87,4 @@ class Tangent:
 
     def length(self, d: Array) -> float:
         """Return the length √(d·K d) of displacements of the free unknowns, which weighs them by strain."""
-        return float(np.sqrt(max(float(d @ self.sparsity.times(self.values, d)), 0.0)))
+        return float(np.sqrt(max(float(d @ self.sparsity.product(self.values)(d)), 0.0)))

@@ -10,14 +10,16 @@ from scipy.sparse import csr_matrix
 from ..arrays import Array, Integers
 from ..errors import NotConvergedError, RoundOffError
 from ..parts import Potential
+from .descent import Descent, descent, lengthened
 from .equilibrium import Effort, Equilibrium, Memory, Tangent
 from .inertia import negative_pivots
 from .linear import NotPositiveDefinite, Solver, solver_for
 from .problem import Configuration, configuration
 from .sparsity import Assembler, Sparsity
 
-CONVEXITY = (0.0, 0.1, 0.5, 1.0)  # shares of the projected Hessian, tried in this order
-DOUBLINGS = 8  # of a step away from a saddle
+# shares of the projected Hessian, tried in this order: of all energies, and of those that are abrupt
+CONVEXITY = ((0.0, 0.0), (0.0, 1.0), (0.1, 1.0), (0.5, 1.0), (1.0, 1.0))
+KEPT = 5  # iterations of conjugate gradients, after which their preconditioner is made anew
 NEAR = 3e-3  # of the way between two equilibria: a tangent made this close to the second certifies it
 ARMIJO = 1e-4
 OF_LOAD, ROUND_OFF = 1e-3, 1e-13  # residuals that need no iteration: as a share of the load's, and at all
@@ -92,6 +94,7 @@ class Minimiser:
         least, idle = float("inf"), 0  # the least residual yet, and the iterations since it was halved
         if at.x is guess and self._missed < NEAR:
             tangent = None  # one made at a prediction as good as the last holds for the equilibrium, too
+        descended: Descent | None = None  # how the last step was found, if not by solving once
         for iteration in range(self.iterations + 1):
             begin = perf_counter()
             gradient, residual = at.forces(self.assembler.free)
@@ -108,10 +111,11 @@ class Minimiser:
             if idle > PATIENCE:
                 raise _rounded(least, self.tolerance)
             # a factorisation costs more than two steps: keep the last one while two at this rate will do
-            if tangent is None or residual * (residual / before) ** 2 > self.tolerance:
-                tangent = self._factorized_convex(at)
-            direction, before = self._solved(tangent, gradient), residual
-            at = self._search(at, gradient, direction, residual)
+            if tangent is None or not self._serves(descended, residual, before):
+                tangent = self._factorized_convex(at, descended is not None and descended.curved)
+            direction, descended = self._direction(tangent, at, gradient, residual)
+            before = residual
+            at = self._search(at, gradient, direction, residual, descended is not None and descended.curved)
             self.effort.iterations += 1
         raise NotConvergedError(f"{self.iterations} Newton iterations were not enough", residual=residual)
 
@@ -131,11 +135,24 @@ class Minimiser:
         if self.out_of_time:
             raise NotConvergedError("the time is over", residual=residual)
 
-    def _factorized_convex(self, at: Configuration) -> Tangent:
-        """Return the factorised tangent, with as much convexity added as it needs."""
-        levels = range(1) if self.strict else range(max(0, self._convexity - 1), len(CONVEXITY))
-        for level in levels:
-            tangent = self._factorized(at, CONVEXITY[level])
+    def _serves(self, descended: Descent | None, residual: float, before: float) -> bool:
+        """Return whether the last tangent will do for another step, as it did for the one before."""
+        if self._convexity:
+            return descended is not None and descended.curved and descended.iterations <= KEPT
+        return residual * (residual / before) ** 2 <= self.tolerance
+
+    def _factorized_convex(self, at: Configuration, curved: bool) -> Tangent:
+        """Return the factorised tangent, with as much convexity added as it needs.
+
+        curved: whether the true one was not positive definite along the last step.
+        """
+        levels = [*range(max(1, self._convexity - (not curved)), len(CONVEXITY))]
+        if not curved:
+            levels.insert(0, 0)
+        for level in levels[:1] if self.strict else levels:
+            if level == 1 and not at.is_abrupt:
+                continue
+            tangent = self._factorized(at, *CONVEXITY[level])
             if tangent is not None:
                 self._convexity = level
                 return tangent
@@ -144,12 +161,23 @@ class Minimiser:
             raise NotConvergedError("the tangent is not positive definite")
         raise NotConvergedError("no convex approximation of the tangent is positive definite")
 
-    def _solved(self, tangent: Tangent, gradient: Array) -> Array:
-        begin = perf_counter()
+    def _direction(
+        self, tangent: Tangent, at: Configuration, gradient: Array, residual: float
+    ) -> tuple[Array, Descent | None]:
+        """Return Newton's direction, (2 n_nodes,), and how it was found if convexity was added."""
+        begin, descended = perf_counter(), None
+        if self._convexity:
+            sparsity, values = self.assembler.assemble(at.hessians(0.0))
+            begin = self.effort.add("tangents", begin)
+            times = sparsity.product(values)
+            descended = descent(tangent.solver.solve, times, -gradient, residual)
+            found = descended.direction
+        else:
+            found = -tangent.solver.solve(gradient)
         direction = np.zeros(self.assembler.n_dofs)
-        direction[self.assembler.free] = -tangent.solver.solve(gradient)
-        self.effort.add("factorisations", begin)
-        return direction
+        direction[self.assembler.free] = found
+        self.effort.add("directions", begin)
+        return direction, descended
 
     def _certified(
         self, at: Configuration, guess: Array | None, origin: Array | None, last: Tangent | None
@@ -172,6 +200,7 @@ class Minimiser:
         # inner unknowns settle anew in the next step: their tangent is not the same to the last bit
         self._tangent = None if at.is_condensed else found
         if found is not None:
+            self._convexity = 0
             return 0
         return negative_pivots(*self.assembler.assemble(at.hessians(0.0)))
 
@@ -183,10 +212,10 @@ class Minimiser:
         way = tangent.length((x - origin)[free])
         return tangent.length((x - point)[free]) / way if way > 0 else float("inf")
 
-    def _factorized(self, at: Configuration, convexity: float) -> Tangent | None:
+    def _factorized(self, at: Configuration, convexity: float, abrupt: float = 0.0) -> Tangent | None:
         """Return the factorised tangent, or None if it is not positive definite."""
         begin = perf_counter()
-        hessians = at.hessians(convexity)
+        hessians = at.hessians(convexity, abrupt)
         constant = len(hessians) if all(h.constant for h in hessians) else 0
         sparsity, values = self.assembler.assemble(hessians)
         begin = self.effort.add("tangents", begin)
@@ -203,8 +232,13 @@ class Minimiser:
             self.effort.add("factorisations", begin)
         return Tangent(at.x, constant, sparsity, values, self._solver)
 
-    def _search(self, at: Configuration, gradient: Array, direction: Array, residual: float) -> Configuration:
-        """Return the next configuration: the longest admissible step that lowers the energy enough."""
+    def _search(
+        self, at: Configuration, gradient: Array, direction: Array, residual: float, curved: bool
+    ) -> Configuration:
+        """Return the next configuration: the longest admissible step that lowers the energy enough.
+
+        curved: whether the energy curves down along the direction, so that a longer step may be better.
+        """
         begin = perf_counter()
         decrease = float(gradient @ direction[self.assembler.free])
         if not decrease <= 0:
@@ -219,8 +253,8 @@ class Minimiser:
             there = at.at(lines, direction, step)
             if there is not None and there[0] <= merit + ARMIJO * step * fall + noise:
                 end = there[1]
-                if self._convexity and step == 1.0 and not at.is_condensed:
-                    end = _lengthened(at, end)
+                if curved and step == 1.0 and not at.is_condensed:
+                    end = lengthened(at, end)
                 self.effort.add("line searches", begin)
                 return end
             step *= 0.5
@@ -253,19 +287,3 @@ def _lowest(
     if there is not None and there.energy <= at.energy:
         return at, there, guess
     return at, at, guess
-
-
-def _lengthened(at: Configuration, there: Configuration) -> Configuration:
-    """Return the end of the step, doubled as long as that is admissible and lowers the energy.
-
-    Near a saddle the added convexity makes steps far too short: each grows the way down by a few percent.
-    """
-    for _ in range(DOUBLINGS):
-        onward = 2.0 * (there.x - at.x)
-        if at.largest_step(onward) < 1.0:
-            break
-        farther = configuration(at.potentials, at.x + onward)
-        if farther is None or farther.energy >= there.energy:
-            break
-        there = farther
-    return there

@@ -18,6 +18,7 @@ from ..arrays import Array, Integers
 from ..errors import InadmissibleStateError
 from ..geometry.body import by_node
 from ..parts import (
+    Abrupt,
     Condensed,
     Evaluation,
     Evolution,
@@ -69,9 +70,20 @@ class Configuration:
         scale = np.sqrt(sum(s for _, s in parts))
         return gradient, float(np.linalg.norm(gradient) / (scale if scale > 0 else 1.0))
 
-    def hessians(self, convexity: float) -> list[Hessian]:
-        """Return the Hessians of the energies that have one, blended towards their positive parts."""
-        return [e.hessian(convexity) for e in self.evaluations if e.has_hessian]
+    @property
+    def is_abrupt(self) -> bool:
+        """Whether walls touch, so that the tangent may change within any distance."""
+        return any(isinstance(e, Abrupt) and e.has_hessian for e in self.evaluations)
+
+    def hessians(self, convexity: float, abrupt: float = 0.0) -> list[Hessian]:
+        """Return the Hessians of the energies that have one, blended towards their positive parts.
+
+        abrupt: convexity of those that are `Abrupt`, at least.
+        """
+        return [
+            e.hessian(max(convexity, abrupt) if isinstance(e, Abrupt) else convexity)
+            for e in self.evaluations if e.has_hessian
+        ]  # fmt: skip
 
     def largest_step(self, direction: Array) -> float:
         """Return a step in (0, 1] along a direction that keeps the state admissible."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from weakref import WeakKeyDictionary
@@ -50,20 +51,15 @@ class Sparsity:
             return None
         return places
 
-    @cached_property
-    def _diagonal(self) -> Integers:
-        return np.flatnonzero(self.rows == self.columns)
-
     def lower(self, values: Array) -> csc_matrix:
         """Return the lower triangle as a sparse matrix."""
         return csc_matrix((values, *self._compressed), shape=(self.n, self.n))
 
-    def times(self, values: Array, x: Array) -> Array:
-        """Return the product of the symmetric matrix with x."""
-        lower, on = self.lower(values), self._diagonal
-        product = np.asarray(lower @ x + lower.T @ x)
-        product[self.rows[on]] -= values[on] * x[self.rows[on]]
-        return product
+    def product(self, values: Array) -> Callable[[Array], Array]:
+        """Return the product with the symmetric matrix, as a function of x, (n,)."""
+        lower = self.lower(values)
+        upper, diagonal = lower.T, lower.diagonal()
+        return lambda x: np.asarray(lower @ x + upper @ x - diagonal * x)
 
 
 class Assembler:

@@ -37,7 +37,7 @@ class Linearised:
     def newton_step(self, gradient: Array) -> Array:
         """Return -K⁻¹ gradient, refined once as the pivots are not chosen, as (2 n_nodes,)."""
         move = -self.factors.solve(gradient)
-        move -= self.factors.solve(self.sparsity.times(self.values, move) + gradient)
+        move -= self.factors.solve(self.sparsity.product(self.values)(move) + gradient)
         whole = np.zeros(self.assembler.n_dofs)
         whole[self.assembler.free] = move
         return whole

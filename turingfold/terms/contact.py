@@ -20,7 +20,7 @@ from ..arrays import Array, Integers
 from ..checks import finite_array, positive
 from ..geometry.body import Body, by_node
 from ..geometry.quadratic import bend
-from ..parts import Entries, Evaluation, Fields, Hessian, Operator, Potential, Term, TimeStep
+from ..parts import Abrupt, Entries, Fields, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
 from .boundary import boundary_edges, counts, stays_straight, tissue_left
 from .creases import creases
@@ -196,7 +196,7 @@ class ContactPotential(Potential):
         return ContactEvaluation(self, x)
 
 
-class ContactEvaluation(Evaluation):
+class ContactEvaluation(Abrupt):
     """Barrier energy at one displacement."""
 
     def __init__(self, potential: ContactPotential, x: Array) -> None:

@@ -16,6 +16,8 @@ from ..arrays import Array, Integers
 from ..geometry.quadratic import distance, gap
 from .boundary import chords, neighbours
 
+FAR = 0.05  # of the body: on longer ways all chords pass others, so that the near part is seen first
+
 MEETINGS = {
     "body": ("itself", "outlines that keep their distance"),
     "base": ("the line on which its base continues", "base_line=False"),
@@ -38,6 +40,7 @@ class Walls:
         self.edges, self.counts, self.apart = edges, counts, apart
         self.chords = chords(edges, counts, moving, len(rest))
         at_rest = self.positions(rest)
+        self.far = FAR * float(np.ptp(at_rest[: self.chords.moving], axis=0).max())
         self.mesh = ipctk.CollisionMesh(at_rest, np.asfortranarray(self.chords.pieces.astype(np.int32)))
         pairs = neighbours(at_rest, self.chords.pieces, near)
         wall = ipctk.make_sparse_filter(dict.fromkeys(map(tuple, pairs.tolist()), False), True)
@@ -70,6 +73,13 @@ class Walls:
 
     def largest_step(self, start: Array, end: Array) -> float:
         """Return nine tenths of the share of the way at which chords first come too close, at most 1."""
+        way = end - start
+        share = min(1.0, self.far / max(float(np.abs(way).max()), self.far))
+        while (step := self._free_share(start, start + share * way)) == 1.0 and share < 1.0:
+            share = min(1.0, 2.0 * share)
+        return share * step
+
+    def _free_share(self, start: Array, end: Array) -> float:
         pairs = ipctk.Candidates()
         pairs.build(self.mesh, start, end, 0.5 * self.apart, ipctk.SweepAndPrune())
         if pairs.is_step_collision_free(self.mesh, start, end, self.apart):
