@@ -143,6 +143,10 @@ class Evaluation(ABC):
         """Return a finer potential with which the step is to be taken again: none, this one does."""
         return None
 
+    def is_valid(self) -> bool:
+        """Return whether this may be a body: nothing is turned over and no walls cross, as far as it sees."""
+        return True
+
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return, of the fields that the term writes, those wanted: none."""
         return {}

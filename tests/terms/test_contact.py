@@ -177,6 +177,8 @@ def test_a_step_after_which_curves_cross_is_taken_again_with_more_chords():
     assert self_intersections(pial, closed=False, quadratic=True) > 0
     seen = potential.evaluate(by_node(shift))
     assert not seen.walls.cross(seen.positions)
+    assert not seen.is_valid()
+    assert potential.evaluate(by_node(0.5 * shift)).is_valid()
     finer = seen.finer()
     assert finer.walls.counts.max() > potential.walls.counts.max()
     assert finer.evaluate(np.zeros(body.nodes.size)).largest_step(by_node(shift)) < 1.0

@@ -237,6 +237,25 @@ def test_an_inverted_element_is_not_admissible():
     assert potential.evaluate(np.full(mirrored.shape, np.nan)) is None
 
 
+@pytest.mark.parametrize("element", ["quadratic", "mixed"])
+def test_a_triangle_that_turns_over_at_a_corner_only_is_no_body(element):
+    # where the middle of a side lies at less than a quarter of it, x' = 4 x_m - 3 x_0 - x_1 turns round
+    body = square()
+    potential = Elastic(gray=GRAY, element=element).on(body).during(State(0.0), STEP)
+    side = body.pial[:3]
+    start, middle, end = body.nodes[:, side].T
+    ends = {}
+    for share in (0.26, 0.24):
+        shift = np.zeros_like(body.nodes)
+        shift[:, side[1]] = start + share * (end - start) - middle
+        ends[share] = potential.evaluate(shift.T.ravel())
+    assert ends[0.26].is_valid()
+    if element == "mixed":  # its energy sees the corners
+        assert ends[0.24] is None
+    else:
+        assert not ends[0.24].is_valid()
+
+
 @settings(derandomize=True, max_examples=30, deadline=None)
 @given(seed=st.integers(0, 10_000), size=st.floats(0.01, 100.0))
 def test_the_step_bound_is_admissible_and_not_timid(seed, size):

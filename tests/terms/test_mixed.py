@@ -16,6 +16,7 @@ from turingfold.solve.march import begin, march
 from turingfold.state import State
 from turingfold.stepping import Stepping
 from turingfold.terms.elastic.material import NeoHookean
+from turingfold.terms.elastic.mixed_points import integration_on
 from turingfold.terms.elastic.term import Elastic
 from turingfold.terms.line import DeadLoad
 from turingfold.testing import advanced, check_derivatives, check_semidefinite, check_term
@@ -192,6 +193,14 @@ def test_an_inverted_element_is_not_admissible(body):
     for x in (flipped, np.full_like(flipped, np.nan)):
         with np.errstate(invalid="ignore"):
             assert potential.evaluate(x) is None
+
+
+def test_integration_is_exact_to_order_six_with_positive_weights():
+    quadrature = integration_on(square(n=1, distort=0.0)).quadrature
+    (x, y), weights = quadrature.points, quadrature.weights
+    assert weights.min() > 0
+    for i, j in [(i, order - i) for order in range(7) for i in range(order + 1)]:
+        assert (weights * x**i * y**j).sum() == pytest.approx(1 / ((i + 1) * (j + 1)), rel=1e-13)
 
 
 # against the quadratic element, and the incompressible limit

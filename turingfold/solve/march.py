@@ -19,7 +19,7 @@ from ..errors import (
     StepTooLongError,
 )
 from ..geometry.body import by_node
-from ..parts import Potential, TimeStep
+from ..parts import Evaluation, Potential, TimeStep
 from ..scene import Scene
 from ..state import State
 from ..stepping import Stepping
@@ -119,7 +119,8 @@ def march(
         snaps = failures >= PATIENCE or bool(failures and dt < progress.usual_dt / 2**PATIENCE)
         try:
             way = DAMPED if snaps and overshot else SNAPS if snaps else USUAL
-            step = _attempt(problem, minimiser, progress, dt, perf_counter(), way)
+            strict = failures <= PATIENCE
+            step = _attempt(problem, minimiser, progress, dt, perf_counter(), way, strict)
         except (RoundOffError, OutOfMemoryError, MemoryError) as error:  # no other step would do
             minimiser.forget()
             raise _hopeless(progress.state, until, error) from error
@@ -185,12 +186,14 @@ def _onward(dt: float, iterations: float, stepping: Stepping, until: float) -> f
 
 
 def _attempt(
-    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float, way: str
-) -> Step:
+    problem: Problem, minimiser: Minimiser, progress: Progress, dt: float, began: float, way: str,
+    strict: bool,
+) -> Step:  # fmt: skip
     """Take one step from untouched data.
 
     way: SNAPS, to wherever the gradient flow from there ends; DAMPED, by the implicit Euler rule, which ends
     where forces balance, instead of by one that goes on past that; its damping vanishes with the step.
+    strict: whether an end that is no body, after a start that is one, is refused.
     """
     old, effort = progress.state, minimiser.effort
     iterations, factorizations = effort.iterations, effort.factorizations
@@ -202,10 +205,14 @@ def _attempt(
     potentials = problem.potentials(balanced, step)
     effort.add("processes", began)
     x = by_node(old["displacement"])
-    found = _found(problem, minimiser, potentials, x, _predicted(progress, dt), way)
+    found = _found(problem, minimiser, potentials, x, _predicted(progress, dt), way, step.balance)
     at = found.at if step.balance == 1 else _at_end(problem, state, step, old, found.at)
     if at is not found.at:
         minimiser.forget()
+    if strict and not at.is_valid and _starts_valid(potentials, x):
+        raise InadmissibleStateError(
+            "at the end of the step walls cross or triangles are turned over", time=state.time
+        )
     energy = problem.potential_energy(state, step, at)
     state = state.updated(displacement=at.x.reshape(-1, 2).T.copy())
     onward = longest_next(progress.equilibria, state.time, state["displacement"], problem.scene.stepping)
@@ -229,13 +236,19 @@ def _attempt(
 
 
 def _found(
-    problem: Problem, minimiser: Minimiser, potentials: Potentials, x: Array, ahead: Array | None, way: str
-) -> Equilibrium:
-    """Return the equilibrium after x, with potentials that are fine enough for it; ahead: where it may be."""
+    problem: Problem, minimiser: Minimiser, potentials: Potentials, x: Array, ahead: Array | None, way: str,
+    balance: float,
+) -> Equilibrium:  # fmt: skip
+    """Return the equilibrium after x, with potentials that are fine enough for the step that it makes.
+
+    ahead: where it may be.  balance: share of the step after which forces balance.
+    """
     found = _equilibrium(problem, minimiser, potentials, x, ahead, way)
     for _ in range(REFINEMENTS):
-        pairs = zip(potentials, found.at.evaluations, strict=True)
-        finer = tuple(evaluation.finer() or potential for potential, evaluation in pairs)
+        finer = _finer(potentials, found.at.evaluations)
+        if balance < 1 and all(one is other for one, other in zip(finer, potentials, strict=True)):
+            end = configuration(potentials, _moved_on(x, found.at.x, balance))
+            finer = finer if end is None else _finer(potentials, end.evaluations)
         if all(one is other for one, other in zip(finer, potentials, strict=True)):
             break
         minimiser.forget()
@@ -246,6 +259,22 @@ def _found(
                 raise
             break
     return found
+
+
+def _starts_valid(potentials: Potentials, x: Array) -> bool:
+    start = configuration(potentials, x)
+    return start is not None and start.is_valid
+
+
+def _finer(potentials: Potentials, evaluations: tuple[Evaluation, ...]) -> Potentials:
+    """Return the potentials, those that are too coarse for what was found by finer ones."""
+    pairs = zip(potentials, evaluations, strict=True)
+    return tuple(evaluation.finer() or potential for potential, evaluation in pairs)
+
+
+def _moved_on(x: Array, middle: Array, balance: float) -> Array:
+    """Return where a step from x ends that goes on evenly after forces balance in the middle."""
+    return x + (middle - x) / balance
 
 
 def _equilibrium(
@@ -260,8 +289,7 @@ def _equilibrium(
 
 def _at_end(problem: Problem, end: State, step: TimeStep, old: State, found: Configuration) -> Configuration:
     """Return the configuration at the end of a step in whose middle forces balance, moved on evenly."""
-    x = by_node(old["displacement"])
-    x = x + (found.x - x) / step.balance
+    x = _moved_on(by_node(old["displacement"]), found.x, step.balance)
     if found.largest_step(x - found.x) < 1.0:
         raise InadmissibleStateError("the end of the step is not admissible", time=end.time)
     at = configuration(problem.potentials(end, step), x)

@@ -63,6 +63,11 @@ class Configuration:
         """Whether unknowns inside the elements are eliminated."""
         return any(isinstance(e, Condensed) for e in self.evaluations)
 
+    @property
+    def is_valid(self) -> bool:
+        """Whether this may be a body: nothing is turned over and no walls cross."""
+        return all(e.is_valid() for e in self.evaluations)
+
     def forces(self, free: Integers) -> tuple[Array, float]:
         """Return the gradient on the free unknowns, and its size relative to the forces that balance."""
         parts = [e.gradient() for e in self.evaluations]

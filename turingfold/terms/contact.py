@@ -20,6 +20,7 @@ from ..arrays import Array, Integers
 from ..checks import finite_array, positive
 from ..geometry.body import Body, by_node
 from ..geometry.quadratic import bend
+from ..morphometry.walls import edge_crossings
 from ..parts import Abrupt, Entries, Fields, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
 from .boundary import boundary_edges, counts, stays_straight, tissue_left
@@ -273,6 +274,11 @@ class ContactEvaluation(Abrupt):
             return None
         walls = operator.following(wanted, potential.start, potential.used)
         return None if (walls.counts == self.walls.counts).all() else replace(potential, walls=walls)
+
+    def is_valid(self) -> bool:
+        """Return whether the body's curved boundary does not cross itself."""
+        own = self.operator.edges[:, : len(self.operator.triangles)]  # those of obstacles come last
+        return edge_crossings(self.points.T, own) == 0
 
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return of how many chords each edge is made, (1, m)."""

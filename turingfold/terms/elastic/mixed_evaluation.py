@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Array
+from ...geometry.triangles import folded_over
 from ...parts import Condensed, Fields, Hessian, SearchLine
 from .kinematics import cauchy, deformation, determinant, stress_fields, tangents, von_mises
 from .mixed_energy import MixedEnergy
@@ -174,6 +175,11 @@ class MixedEvaluation(Condensed):
     def largest_step(self, direction: Array) -> float:
         """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 %, with the bubbles at rest."""
         return self.potential.longest(self.at.H, direction, np.zeros_like(self.bubble))
+
+    def is_valid(self) -> bool:
+        """Return whether all triangles with their bubbles are positive everywhere."""
+        body = self.potential.operator.body
+        return not folded_over(body.mesh, body.nodes + self.x.reshape(-1, 2).T, self.bubble).size
 
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return bubbles (2, e), m, and pressures at the elements' corners (3, e), Pa, to start from next.

@@ -1,7 +1,8 @@
 """What the mixed element computes at its integration points: places, stresses, tangents, tables of integrals.
 
-Each element has 7 shape functions (six quadratic ones and the cubic bubble 27 ξη(1-ξ-η)), 12 integration
-points (order 6, positive weights) and a linear pressure of its own.
+Each element has 7 shape functions (six quadratic ones and the cubic bubble 27 ξη(1-ξ-η)), 18 integration
+points and a linear pressure of its own. The points lie on the corners, on the sides and inside: where
+walls crease, the energy sees a triangle, or its bubble, that turns over at a side.
 """
 
 from __future__ import annotations
@@ -17,7 +18,12 @@ from ...geometry.quadrature import Quadrature
 from .kinematics import Metric, cofactor, determinant, first_invariant, times_symmetric
 from .material import shrink
 
-ORDER = 6
+# The rule of order 6 that has points at corners, middles and quarters of sides and two triples inside: seven
+# conditions for seven unknowns, solved numerically. Weights are of a triangle of area 1/2.
+QUARTER = 0.25
+TRIPLES = (0.0, 0.5, 0.12427226524253289, 0.42505670753484204)  # b of (b, b), (b, 1 - 2b), (1 - 2b, b)
+WEIGHTS = (0.003483592350264027, 0.009122099217871209, 0.050592055833536646, 0.08089396335669698)
+AT_QUARTERS = 0.0112874779541489
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,7 @@ class Integration:
 
 def integration_on(body: Body) -> Integration:
     """Return the integration points of the mixed element on a body."""
-    quadrature = Quadrature.of(Basis(body.mesh, ElementTriP2(), intorder=ORDER))
+    quadrature = Quadrature.of(Basis(body.mesh, ElementTriP2(), quadrature=_rule()))
     flat = quadrature.points.reshape(2, -1)
     tangent = body.pial_curves.nearest(flat)[1].reshape(quadrature.points.shape)
     here, there = quadrature.shapes, body.quadrature.shapes
@@ -82,6 +88,14 @@ def integration_on(body: Body) -> Integration:
         cross_products=pairs.reshape(49, 4 * q),
         volume=(_corners(here)[:, None, None] * gradients).reshape(21, 2 * q),
     )
+
+
+def _rule() -> tuple[Array, Array]:
+    """Return points, (2, 18), and weights, (18,), of the integration on the reference triangle."""
+    points = [pair for b in TRIPLES for pair in ((b, b), (b, 1 - 2 * b), (1 - 2 * b, b))]
+    for a in (QUARTER, 1 - QUARTER):
+        points += [(a, 0.0), (0.0, a), (a, 1 - a)]
+    return np.array(points).T, np.repeat([*WEIGHTS, AT_QUARTERS, AT_QUARTERS], 3)
 
 
 def _corners(quadratic: Array) -> Array:

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...arrays import Array, Integers, add_up
 from ...geometry.body import Body
+from ...geometry.triangles import folded_over
 from ...parts import Entries, Evaluation, Fields, Hessian, Operator, Potential, TimeStep
 from ...state import State
 from ..element_matrices import gradient_products, lower, pairs
@@ -100,14 +101,14 @@ class ElasticPotential(Potential):
         J = np.asarray(self.metric.delta * determinant(H))
         if not J.min() > 0:  # also catches NaN
             return None
-        return ElasticEvaluation(self, H, J)
+        return ElasticEvaluation(self, x, H, J)
 
 
 class ElasticEvaluation(Evaluation):
     """Elastic energy at one configuration, with gradient and Hessian on demand."""
 
-    def __init__(self, potential: ElasticPotential, H: Array, J: Array) -> None:
-        self.potential, self.H, self.J = potential, H, J
+    def __init__(self, potential: ElasticPotential, x: Array, H: Array, J: Array) -> None:
+        self.potential, self.x, self.H, self.J = potential, x, H, J
         m = potential.metric
         self.HB = times_symmetric(H, m.B)
         self.I1 = first_invariant(H, self.HB, m.out2)
@@ -152,6 +153,11 @@ class ElasticEvaluation(Evaluation):
         """Return the step in (0, 1] at which det ∂x/∂ξ has lost at most 90 % anywhere."""
         now, linear, square = determinant_along(self.H, self.potential.operator.gradient(direction))
         return first_loss(0.9 * now, linear, square)
+
+    def is_valid(self) -> bool:
+        """Return whether all triangles are positive everywhere, not only at the integration points."""
+        body = self.potential.operator.body
+        return not folded_over(body.mesh, body.nodes + self.x.reshape(-1, 2).T).size
 
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return what is wanted of stress (xx, yy, xy, zz; Pa), J* and moduli (μ, κ; Pa), at the points."""
