@@ -254,6 +254,13 @@ class Term(Part):
     def on(self, body: Body) -> Operator:
         """Return the term on a body."""
 
+    def for_states_of(self, body: Body) -> Term:
+        """Return the term for a finer mesh on which states of a body are looked at.
+
+        It is the term itself, unless what it admits depends on the mesh.
+        """
+        return self
+
 
 class Load(Term):
     """Base of terms of which different ones may act in one scene: tensions along two lines add up."""

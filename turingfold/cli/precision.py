@@ -1,92 +1,140 @@
 """turingfold run --accuracy: elements and steps as fine as their estimated errors have to be.
 
 The case is run coarsely; the estimates of its results say how much finer it must be; it is run again, until
-the estimates are as small as asked. Where two runs differ by more than the coarser one's estimate, the finer
-one is taken to be off by the rest at least.
+the estimates are as small as asked. Where two runs differ by more than the other's estimate, a run is taken
+to be off by the rest at least. A run that stops, or of whose errors there is no estimate, is followed by a
+finer one. The best run is kept.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
-from ..results.files import read_json
+from ..results.files import read_json, writing
 from .case import Case, find_case, folder_name
+from .outcome import Outcome
 from .plan import Planned, base_folder, given_values, planned
 from .request import Request, Running
 from .run import answered, check_figure, outcomes
-from .status import STOPPED, Answer, complain, say
+from .status import STOPPED, Answer, Interrupted, complain, say
 from .summary import named
+from .trials import Errors, Size, Trial, best, onward
 
 ELEMENTS = "elements"
 FIRST, FEWEST = 0.5, 2.0  # elements of the first run: share of the case's own, and at least
-LONGEST = 2.0  # times as fine as the run before at most
-RUNS = 5
-SAFETY = 1.4  # of what is claimed: estimates of Figure 3 on eleven meshes were short by 1.32 at most
-ROOM = 0.85  # share of the error asked for that is aimed at
-SLOWEST, USUAL, FASTEST = 0.7, 1.0, 3.0  # orders of the error in the size of the elements
-Numbers = dict[tuple[str, str], float]  # by scene and name
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A run of all scenes, and what its results say of their errors.
-
-    values: of the numbers that have an estimate.  mesh, steps: errors relative to them.  folds: by scene.
-    """
-
-    elements: float
-    shorter: float
-    values: Numbers
-    mesh: Numbers
-    steps: Numbers
-    folds: Mapping[str, int]
-
-    def errors(self, before: Trial | None) -> Numbers:
-        """Return bounds of the relative errors, no smaller than what the run before leaves of them."""
-        found = {key: SAFETY * self.mesh[key] + self.steps.get(key, 0.0) for key in self.mesh}
-        if before is None:
-            return found
-        for key, error in before.errors(None).items():
-            if key in found:
-                apart = abs(self.values[key] - before.values[key]) - error * abs(before.values[key])
-                found[key] = max(found[key], apart / abs(self.values[key]))
-        return found
+ASIDE = ".best"  # folder of the best run while another one takes its place
+FINAL = ("refused", "killed", "failed", "interrupted")  # ends of a run after which no other would do better
 
 
 def run_to(accuracy: float, request: Request, running: Running) -> Answer:
     """Run the scenes of a case with elements and steps that leave relative errors of at most `accuracy`.
 
     The numbers are energy, pial length, gyrification index and sulcal depth. Exit status 3 where the
-    estimates do not say that it was reached.
+    estimates do not say that it was reached; what is kept is then the run with the smallest errors.
+    Raises ValueError where no run has an estimate.
     """
     case = find_case(request.case)
     _check(case, request, running)
     own = case.provenance(given_values(case, request)[0], quick=request.quick)["parameters"][ELEMENTS]
-    elements, shorter = _allowed(case, max(FEWEST, FIRST * own)), 1.0
-    trials: list[Trial] = []
-    while True:
-        asked = replace(request, assigned=(*request.assigned, (ELEMENTS, f"{elements:g}")))
-        how = replace(running, shorter=shorter, overwrite=running.overwrite or bool(trials))
-        plan = planned(case, asked)
-        check_figure(case, plan, asked)
-        _refuse_motion(case, plan)
-        ends = list(outcomes(case, plan, asked, how))
-        if any(end.status != "converged" for end in ends):
-            return answered(case, plan, ends, asked, how)
-        trials.append(_trial(elements, shorter, plan, case, asked))
-        worst, key = _worst(trials)
-        say(f"run {len(trials)}, {_size(trials[-1])}: errors of up to {_percent(worst)} ({_of(key, plan)})")
-        onward = None if worst <= accuracy else _next(trials, accuracy, case)
-        if onward is None:
-            break
-        elements, shorter = onward
-    answer = answered(case, plan, ends, asked, how)
-    status = _told(trials, accuracy, worst)
-    facts = {"asked": accuracy, "reached": worst, "elements": elements, "shorter_steps": shorter}
-    return Answer(max(answer.status, status), {**answer.facts, "accuracy": facts})
+    search = _Search(case, request, running)
+    size: Size | None = Size(_allowed(case, max(FEWEST, FIRST * own)))
+    try:
+        while size is not None:
+            search.run(size)
+            size = search.next(accuracy)
+    except Interrupted:
+        if not search.trials:
+            raise
+        complain(f"the run with {best(search.trials).size} is kept")
+        raise KeyboardInterrupt from None
+    return search.answer(accuracy)
+
+
+@dataclass
+class _Search:
+    """Runs of a case, and how the scenes of the last and of the best one ended."""
+
+    case: Case
+    request: Request
+    running: Running
+    trials: list[Trial] = field(default_factory=list)
+    ends: list[Outcome] = field(default_factory=list)
+    best_ends: list[Outcome] = field(default_factory=list)
+
+    @property
+    def base(self) -> Path:
+        """The folder of the case's results."""
+        return base_folder(self.case, self.request)
+
+    def asked(self, size: Size) -> Request:
+        """Return the request for a run."""
+        return replace(self.request, assigned=(*self.request.assigned, (ELEMENTS, f"{size.elements:g}")))
+
+    def how(self, size: Size) -> Running:
+        """Return how a run is taken: it may replace the one before."""
+        again = self.running.overwrite or bool(self.trials)
+        return replace(self.running, shorter=size.shorter, overwrite=again)
+
+    def run(self, size: Size) -> None:
+        """Run all scenes, judge what comes of it, and say so."""
+        asked = self.asked(size)
+        plan = planned(self.case, asked)
+        check_figure(self.case, plan, asked)
+        _refuse_motion(self.case, plan)
+        with self._another(plan):
+            self.ends = list(outcomes(self.case, plan, asked, self.how(size)))
+            self.trials.append(_judged(size, self.base, plan, self.ends, self.trials))
+            if self.trials[-1] is best(self.trials):
+                self.best_ends = self.ends
+        say(f"run {len(self.trials)}, {size}: {_told(self.trials[-1], plan)}")
+
+    @contextmanager
+    def _another(self, plan: Sequence[Planned]) -> Iterator[None]:
+        """Put the best run aside for another one, and back unless that one is better."""
+        count, aside = len(self.trials), self.base / ASIDE
+        if count:
+            _move(self.base, aside, plan)
+        try:
+            yield
+        finally:
+            if count and (len(self.trials) == count or self.trials[-1] is not best(self.trials)):
+                _move(aside, self.base, plan)
+            shutil.rmtree(aside, ignore_errors=True)
+
+    def next(self, accuracy: float) -> Size | None:
+        """Return the size of the next run; None where the accuracy is reached, or there is none to try."""
+        limited = math.isfinite(self.running.max_seconds)  # a finer run would need longer
+        if best(self.trials).worst <= accuracy or any(
+            end.status in FINAL or (limited and end.status == "stopped") for end in self.ends
+        ):
+            return None
+        return onward(self.trials, accuracy, lambda elements: _allowed(self.case, elements))
+
+    def answer(self, accuracy: float) -> Answer:
+        """Say what was reached, and what the best run has found; raises ValueError without an estimate."""
+        own = best(self.trials)
+        plan = planned(self.case, self.asked(own.size))
+        if own.errors is None and all(end.status == "converged" for end in self.best_ends):
+            raise ValueError(
+                f"{self.case.shown}, {own.size}: --accuracy finds no estimate of its errors: {own.why}; "
+                f"leave --accuracy out, or set {ELEMENTS} by hand."
+            )
+        answer = answered(self.case, plan, self.best_ends, self.asked(own.size), self.how(own.size))
+        if own.errors is None:
+            return answer
+        others = [one.errors for one in self.trials if one is not own and one.errors is not None]
+        worst = max(own.errors.bounds(others).values())
+        if any(other.folds != own.errors.folds for other in others[-1:]):
+            say("accuracy: other runs have another number of sulci; errors are those of one branch")
+        runs = [{**_facts(one.size, one.worst), "no_errors": one.why} for one in self.trials]
+        facts = {"asked": accuracy, **_facts(own.size, worst), "runs": runs}
+        reached = max(answer.status, _reached(accuracy, worst, own.size))
+        return Answer(reached, {**answer.facts, "accuracy": facts})
 
 
 def _check(case: Case, request: Request, running: Running) -> None:
@@ -122,83 +170,63 @@ def _allowed(case: Case, elements: float) -> float:
     return min(max(rounded, parameter.meaning.low), parameter.meaning.high)
 
 
-def _trial(elements: float, shorter: float, plan: Sequence[Planned], case: Case, request: Request) -> Trial:
-    """Read what a run left in its folder; raises ValueError for a scene without an estimate."""
-    values: Numbers = {}
-    mesh: Numbers = {}
-    steps: Numbers = {}
-    folds = {}
+def _move(source: Path, target: Path, plan: Sequence[Planned]) -> None:
+    """Move the folders of scenes into another one, in place of those that it has."""
+    with writing(target):
+        target.mkdir(exist_ok=True)
+        for name in (folder_name(one.name) for one in plan):
+            if (target / name).exists():
+                shutil.rmtree(target / name)
+            if (source / name).exists():
+                (source / name).rename(target / name)
+
+
+def _judged(
+    size: Size, base: Path, plan: Sequence[Planned], ends: Sequence[Outcome], before: Sequence[Trial]
+) -> Trial:
+    """Return a run as what it left in its folder says of its errors, or why it says nothing."""
+    for end in ends:
+        if end.status != "converged":
+            return Trial(size, why=f"scene {end.name!r}: {end.message}")
+    found, folds = [], {}
     for one in plan:
-        folder = base_folder(case, request) / folder_name(one.name)
-        summary: dict[str, Any] = read_json(folder / "summary.json")
+        summary = read_json(base / folder_name(one.name) / "summary.json")
         for errors in ("errors", "step_errors"):
             if not summary[errors]:
-                why = summary[f"no_{errors}"]
-                raise ValueError(
-                    f"{case.shown}, scene {one.name!r}, {ELEMENTS}={elements:g}: --accuracy finds no "
-                    f"estimate of its errors: {why}; leave --accuracy out, or set {ELEMENTS} by hand."
-                )
-        for name, error in summary["errors"].items():
-            if value := summary[name]:
-                key = one.name, name
-                values[key], mesh[key] = value, abs(error / value)
-                steps[key] = abs(summary["step_errors"].get(name, 0.0) / value)
+                return Trial(size, why=f"scene {one.name!r}: {summary[f'no_{errors}']}")
+        found += [((one.name, name), summary) for name in summary["errors"] if summary[name]]
         folds[one.name] = summary["folds"]
-    return Trial(elements, shorter, values, mesh, steps, folds)
+    return Trial.judged(size, Errors(
+        values={key: summary[key[1]] for key, summary in found},
+        mesh={key: abs(summary["errors"][key[1]] / summary[key[1]]) for key, summary in found},
+        steps={key: abs(summary["step_errors"].get(key[1], 0.0) / summary[key[1]]) for key, summary in found},
+        folds=folds,
+    ), before)  # fmt: skip
 
 
-def _worst(trials: Sequence[Trial]) -> tuple[float, tuple[str, str]]:
-    """Return the largest relative error of the last run, and of what it is."""
-    found = trials[-1].errors(trials[-2] if len(trials) > 1 else None)
-    key = max(found, key=lambda key: found[key])
-    return found[key], key
+def _facts(size: Size, reached: float) -> dict[str, float | None]:
+    worst = reached if math.isfinite(reached) else None
+    return {"elements": size.elements, "shorter_steps": size.shorter, "reached": worst}
 
 
-def _next(trials: Sequence[Trial], accuracy: float, case: Case) -> tuple[float, float] | None:
-    """Return elements and shortness of steps for the next run; None where there is none to try."""
-    last = trials[-1]
-    steps = max(last.steps.values())
-    aim = ROOM * accuracy * (0.5 if steps > 0 else 1.0)
-    worst, _ = _worst(trials)
-    finer = min(max(worst - steps, 0.0) / aim, LONGEST**SLOWEST) ** (1 / _order(trials))
-    elements = _allowed(case, last.elements * min(max(finer, 1.0), LONGEST))
-    shorter = last.shorter * min(max(steps / aim, 1.0), LONGEST)
-    if len(trials) == RUNS or (elements, shorter) == (last.elements, last.shorter):
-        return None
-    return elements, shorter
+def _told(trial: Trial, plan: Sequence[Planned]) -> str:
+    if trial.errors is None:
+        return f"no estimate of its errors, {trial.why}"
+    scene, number = trial.of
+    of = named(number) if len(plan) == 1 else f"{named(number)} of {scene}"
+    return f"errors of up to {_percent(trial.worst)} ({of})"
 
 
-def _order(trials: Sequence[Trial]) -> float:
-    """Return the order of the mesh's errors in the size of the elements, as the last two runs have it."""
-    if len(trials) == 1 or trials[-1].elements == trials[-2].elements:
-        return USUAL
-    before, now = (max(trial.mesh.values()) for trial in trials[-2:])
-    seen = math.log(before / now) / math.log(trials[-1].elements / trials[-2].elements)
-    return min(max(seen, SLOWEST), FASTEST)
-
-
-def _told(trials: Sequence[Trial], accuracy: float, worst: float) -> int:
+def _reached(accuracy: float, worst: float, size: Size) -> int:
     """Say what was reached; return the exit status."""
-    if len(trials) > 1 and trials[-1].folds != trials[-2].folds:
-        say("accuracy: the two last runs differ in their number of sulci; errors are those of one branch")
     if worst <= accuracy:
-        say(f"accuracy: {_percent(worst)} by the estimates, asked {_percent(accuracy)}; {_size(trials[-1])}")
+        say(f"accuracy: {_percent(worst)} by the estimates, asked {_percent(accuracy)}; {size}")
         return 0
     complain(
-        f"--accuracy {_percent(accuracy)} was not reached: {_size(trials[-1])} leave errors of up to "
+        f"--accuracy {_percent(accuracy)} was not reached: {size}, the best run, leaves errors of up to "
         f"{_percent(worst)} by the estimates."
     )
     return STOPPED
-
-
-def _size(trial: Trial) -> str:
-    steps = f", steps {trial.shorter:.3g} times as short" if trial.shorter > 1 else ""
-    return f"elements={trial.elements:g}{steps}"
-
-
-def _of(key: tuple[str, str], plan: Sequence[Planned]) -> str:
-    scene, number = key
-    return named(number) if len(plan) == 1 else f"{named(number)} of {scene}"
 
 
 def _percent(share: float) -> str:

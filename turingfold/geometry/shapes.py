@@ -21,6 +21,7 @@ MOST = 2e6  # triangles in the cortex
 LARGEST = 5.0  # m, half a body; models in units of their own have a radius of about 1
 SLENDER = 4.0  # at most, edges across over edges along the cortex
 CORE, COARSEST = 0.1, 0.2  # of the core's radius: how large its elements may be, that of a coarse cortex too
+OF_CORE = 3  # elements through the cortex up to which that is so; more of them make the core as much finer
 Quarter = Callable[[Array, float], Array]  # (fraction of the way from base to apex, depth) -> points (2, n)
 
 
@@ -34,7 +35,8 @@ def semicircle(
     through the cortex; along: how many times shorter they are along the surface, as suits a cortex that grows
     as many times longer; base "clamped", "roller" or "free"; layers "sharp" or "sigmoid", see `Body`;
     coarsening: growth of the element size from ring to ring below the cortex, to a tenth of the core's
-    radius, or to that in the cortex, but not beyond a fifth.
+    radius, less where the cortex has more than three elements through it, or to that in the cortex, but not
+    beyond a fifth.
     """
     positive("radius", radius)
     return semiellipse(
@@ -140,7 +142,7 @@ def _quarter_mesh(
 
     mean_radius = 0.5 * (a + b) - thickness
     share, step, count = 1.0, max(size, arc / around) / mean_radius, around
-    coarsest = min(max(CORE, step), COARSEST)
+    coarsest = min(max(CORE * min(1.0, OF_CORE * size / thickness), step), COARSEST)
     while count > 2:
         step = min(step * coarsening, coarsest)
         share -= step

@@ -41,7 +41,8 @@ def on_another_body(
     given = _Given({name: carried(name, state[name]) for name in known})
     others = (process for process in scene.processes if known.isdisjoint(process.writes))
     processes = (given, *others) if known else scene.processes
-    own = Problem(replace(scene, body=body, processes=processes))
+    terms = tuple(term.for_states_of(scene.body) for term in scene.terms)
+    own = Problem(replace(scene, body=body, processes=processes, terms=terms))
     start = own.start()
     now = own.processed(start, state.time) if state.time else start
     now = now.updated(displacement=carried("displacement", state["displacement"]))

@@ -9,7 +9,7 @@ rolling or mirrored body the base (or mirror) line continues outward as an obsta
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import ipctk
@@ -87,6 +87,27 @@ class SelfContact(Term):
         """Return the term discretised on `body`."""
         return ContactOperator(body, self)
 
+    def for_states_of(self, body: Body) -> SelfContact:
+        """Return contact in which parts of one wall that do not repel each other on `body` do so nowhere."""
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        return _AsOnCoarser(**own, near=_shortest(body))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _AsOnCoarser(SelfContact):
+    """Contact that takes for parts of one wall what a coarser mesh does; near: its distance for that, m.
+
+    Where a state creases, what is one wall of it would be two on a finer mesh, and touch.
+    """
+
+    near: float
+
+
+def _shortest(body: Body) -> float:
+    """Return the shortest distance between neighbouring nodes of the boundary; m."""
+    start, middle, end = body.nodes.T[boundary_edges(body)]
+    return float(min(np.hypot(*(middle - one).T).min() for one in (start, end)))
+
 
 class ContactOperator(Operator):
     """The boundary of one body: in units of the body's length, about its centre."""
@@ -94,10 +115,10 @@ class ContactOperator(Operator):
     def __init__(self, body: Body, term: SelfContact) -> None:
         ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
         boundary = boundary_edges(body)
-        start, middle, end = body.nodes.T[boundary]
-        shortest = float(min(np.hypot(*(middle - one).T).min() for one in (start, end)))
+        shortest = _shortest(body)
         self.unit, self.dhat = body.length, term.gap * shortest / body.length
         self.shortest, self.apart = shortest / body.length, APART * self.dhat
+        self.near = term.near / body.length if isinstance(term, _AsOnCoarser) else self.shortest
         self.triangles = body.mesh.f2t[0, boundary[1] - body.mesh.nvertices]  # of the body's edges, (m,)
         self.at_points = body.quadrature.weights.shape
         triangles = bounding(body, boundary)
@@ -139,7 +160,7 @@ class ContactOperator(Operator):
         return np.where(self.straight, 1, np.minimum(rounded, MOST))
 
     def _walls(self, numbers: Integers) -> Walls:
-        return Walls(self.edges, numbers, self.rest, len(self.nodes), self.apart, self.shortest)
+        return Walls(self.edges, numbers, self.rest, len(self.nodes), self.apart, self.near)
 
     def during(self, state: State, step: TimeStep) -> ContactPotential:
         """Return the barrier; edges that bend far are made of more chords than at rest."""

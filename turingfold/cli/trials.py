@@ -1,0 +1,120 @@
+"""What runs of a case with other elements and steps say of their errors, and which to try next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+LONGEST = 2.0  # times as fine as the best run yet at most
+RUNS = 7
+SAFETY = 1.4  # of what is claimed: estimates of Figure 3 on eleven meshes were short by 1.32 at most
+ROOM = 0.85  # share of the error asked for that is aimed at
+SLOWEST, USUAL, FASTEST = 0.7, 1.0, 3.0  # orders of the error in the size of the elements
+ANOTHER = 1.12  # times as many elements as the finest run that was no better: errors scatter with the mesh
+Numbers = dict[tuple[str, str], float]  # by scene and name
+
+
+@dataclass(frozen=True)
+class Size:
+    """Elements through the cortex, and how many times as short as usual steps are."""
+
+    elements: float
+    shorter: float = 1.0
+
+    def __str__(self) -> str:
+        steps = f", steps {self.shorter:.3g} times as short" if self.shorter > 1 else ""
+        return f"elements={self.elements:g}{steps}"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What the results of a run say of their numbers.
+
+    values: of the numbers that have an estimate.  mesh, steps: errors relative to them.  folds: by scene.
+    """
+
+    values: Numbers
+    mesh: Numbers
+    steps: Numbers
+    folds: Mapping[str, int]
+
+    def bounds(self, others: Sequence[Errors] = ()) -> Numbers:
+        """Return bounds of the relative errors, no smaller than what those of other runs leave."""
+        found = {key: SAFETY * self.mesh[key] + self.steps.get(key, 0.0) for key in self.mesh}
+        for other in others:
+            for key, error in other.bounds().items():
+                if key in found:
+                    apart = abs(self.values[key] - other.values[key]) - error * abs(other.values[key])
+                    found[key] = max(found[key], apart / abs(self.values[key]))
+        return found
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A run of all scenes; errors: None where there is no estimate of them.
+
+    worst: the largest relative error, of the number `of`.  why: there is no estimate.
+    """
+
+    size: Size
+    errors: Errors | None = None
+    worst: float = math.inf
+    of: tuple[str, str] = ("", "")
+    why: str = ""
+
+    @classmethod
+    def judged(cls, size: Size, errors: Errors, before: Sequence[Trial]) -> Trial:
+        """Return a run with its worst error, judged also by runs before it."""
+        bounds = errors.bounds([one.errors for one in before if one.errors is not None])
+        of = max(bounds, key=lambda key: bounds[key])
+        return cls(size, errors, bounds[of], of)
+
+
+def best(trials: Sequence[Trial]) -> Trial:
+    """Return the run with the smallest errors."""
+    return min(trials, key=lambda trial: trial.worst)
+
+
+def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], float]) -> Size | None:
+    """Return the size of the next run; None where there is none to try.
+
+    allowed: makes of a number of elements one that the case can have.
+    """
+    if len(trials) == RUNS:
+        return None
+    own, finest = best(trials), max(trial.size.elements for trial in trials)
+    if own.errors is None:
+        wanted = Size(allowed(ANOTHER * finest), own.size.shorter)
+    else:
+        wanted = _expected(own, _order(trials), accuracy, allowed)
+        if wanted.shorter == own.size.shorter and wanted.elements <= finest:  # such a run was no better
+            wanted = Size(allowed(ANOTHER * finest), wanted.shorter)
+    return None if wanted in [trial.size for trial in trials] else wanted
+
+
+def _expected(own: Trial, order: float, accuracy: float, allowed: Callable[[float], float]) -> Size:
+    """Return the size that a run's errors, if they fall with an order, ask for."""
+    assert own.errors is not None
+    steps = max(own.errors.steps.values())
+    aim = ROOM * accuracy * (0.5 if steps > 0 else 1.0)
+    finer = (max(own.worst - steps, 0.0) / aim) ** (1 / order)
+    return Size(
+        allowed(own.size.elements * min(max(finer, 1.0), LONGEST)),
+        own.size.shorter * min(max(steps / aim, 1.0), LONGEST),
+    )
+
+
+def _order(trials: Sequence[Trial]) -> float:
+    """Return the order of the mesh's errors in the size of the elements, as the two best runs have it."""
+    judged = sorted((one for one in trials if one.errors is not None), key=lambda one: one.size.elements)
+    if len(judged) < 2 or judged[0].size.elements == judged[-1].size.elements:
+        return USUAL
+    one, other = judged[0], best(judged)
+    if one is other:
+        return SLOWEST
+    assert one.errors is not None
+    assert other.errors is not None
+    fall = max(one.errors.mesh.values()) / max(other.errors.mesh.values())
+    seen = math.log(fall) / math.log(other.size.elements / one.size.elements)
+    return min(max(seen, SLOWEST), FASTEST)
