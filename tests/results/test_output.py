@@ -35,7 +35,7 @@ from turingfold.results.codec import decode, encode
 from turingfold.results.document import difference, stored
 from turingfold.results.files import arrays_content, digest, read_arrays, write_whole, writing
 from turingfold.results.history import History, read_history
-from turingfold.results.vtu import arrays_of, entries, frame, in_cells, index, mesh_of
+from turingfold.results.vtu import Frames, arrays_of, entries, in_cells, index, mesh_of
 
 HERE = Path(__file__).parents[1]
 PARTS = [
@@ -225,7 +225,7 @@ def test_a_read_only_folder_is_an_output_error(tmp_path):
 
 def test_a_frame_opens_in_other_programs(tmp_path, folded):
     body, last = folded.scene.body, folded.last
-    (tmp_path / "f.vtu").write_bytes(frame(folded.scene, last, folded.observe()))
+    (tmp_path / "f.vtu").write_bytes(Frames(folded.scene).content(last, folded.observe()))
     mesh = meshio.read(tmp_path / "f.vtu")
     (block,) = mesh.cells
     assert block.type == "triangle6"
@@ -249,7 +249,7 @@ def test_a_frame_opens_in_other_programs(tmp_path, folded):
 
 def test_a_frame_has_the_whole_stress(folded, tmp_path):
     observed, file = folded.observe(), tmp_path / "f.vtu"
-    file.write_bytes(frame(folded.scene, folded.last, observed))
+    file.write_bytes(Frames(folded.scene).content(folded.last, observed))
     found = arrays_of(file)
     stress = found["cauchy_stress"].reshape(-1, 3, 3)
     np.testing.assert_array_equal(stress, stress.transpose(0, 2, 1))
@@ -270,12 +270,12 @@ def test_a_frame_has_the_whole_stress(folded, tmp_path):
 def test_frames_of_scenes_with_units_of_their_own_and_of_earlier_versions_have_no_units(tmp_path, folded):
     scene = elastic_scene()  # a radius of 1, a modulus of 1
     result = simulate(scene)
-    (tmp_path / "own.vtu").write_bytes(frame(scene, result.last, result.observe()))
+    (tmp_path / "own.vtu").write_bytes(Frames(scene).content(result.last, result.observe()))
     mesh = meshio.read(tmp_path / "own.vtu")
     assert "displacement" in mesh.point_data
     assert {"von_mises", "cauchy_stress"} <= set(mesh.cell_data)
     new, old = tmp_path / "new.vtu", tmp_path / "old.vtu"
-    new.write_bytes(frame(folded.scene, folded.last, folded.observe()))
+    new.write_bytes(Frames(folded.scene).content(folded.last, folded.observe()))
     mesh_of(folded.scene.body, folded.last, folded.observe()).write(old)
     for name, values in arrays_of(old).items():
         np.testing.assert_array_equal(values, arrays_of(new)[name])

@@ -17,10 +17,10 @@ import os
 import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,9 @@ from .log import NAME as LOG
 from .log import append, warnings_to
 from .reading import state_of
 from .units import stored_unit
+
+if TYPE_CHECKING:
+    from .vtu import Frames
 
 KEPT_CHECKPOINTS = 2
 SUBFOLDERS = ("states", "frames")
@@ -227,11 +230,15 @@ class ResultFolder:
         kept = {"time": np.array(state.time), **state.fields}
         self._write(f"states/{name}.npz", arrays_content(kept))
         if self._vtu:
-            from .vtu import frame
-
-            self._write(f"frames/{name}.vtu", frame(self.scene, state, observed))
+            self._write(f"frames/{name}.vtu", self._frames.content(state, observed))
             self._times[step] = state.time
         self._write_index()
+
+    @cached_property
+    def _frames(self) -> Frames:
+        from .vtu import Frames
+
+        return Frames(self.scene)
 
     def remove_state(self, step: int) -> None:
         """Remove a state that was kept only because the run ended there."""

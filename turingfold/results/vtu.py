@@ -1,14 +1,14 @@
-"""Frames for ParaView: one VTU file per state through meshio, and the PVD index of the series."""
+"""Frames for ParaView: one VTU file per state, and the PVD index of the series."""
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..geometry.body import Body
@@ -17,37 +17,29 @@ from ..scene import Scene
 from ..state import State
 from .files import DAMAGE, CorruptFileError
 from .units import stored_unit, with_unit, without_unit
+from .vtu_file import grid, vtu
 
 if TYPE_CHECKING:
     import meshio
 
-GRID = b"<UnstructuredGrid>"
 
+class Frames:
+    """The VTU files of a scene's states: of their mesh, what is written is made once."""
 
-def frame(scene: Scene, state: State, observed: Mapping[str, Array]) -> bytes:
-    """Return a VTU file of `mesh_of`, its fields with their units, and the time.
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._grid = grid(_points(scene.body), scene.body.triangles.T)
 
-    Warp By Vector shows the deformed shape.
-    """
-    mesh = mesh_of(scene.body, state, observed)
-    mesh.point_data = {_named(scene, name): values for name, values in mesh.point_data.items()}
-    mesh.cell_data = {_named(scene, name): values for name, values in mesh.cell_data.items()}
-    with tempfile.TemporaryDirectory() as folder:  # meshio writes files only
-        file = Path(folder) / "frame.vtu"
-        mesh.write(file, binary=True)
-        return file.read_bytes().replace(GRID, GRID + _time(state.time), 1)
+    def content(self, state: State, observed: Mapping[str, Array]) -> bytes:
+        """Return a VTU file with what `mesh_of` has, its fields with their units, and the time.
 
+        Warp By Vector shows the deformed shape.
+        """
+        at_nodes, in_triangles = _fields(self.scene.body, state, observed)
+        return vtu(self._grid, self._named(at_nodes), self._named(in_triangles), state.time)
 
-def _time(value: float) -> bytes:
-    """Return the field by which ParaView knows the time of a file; meshio writes none."""
-    array = (
-        f'<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{value!r}</DataArray>'
-    )
-    return f"<FieldData>{array}</FieldData>".encode()
-
-
-def _named(scene: Scene, field: str) -> str:
-    return with_unit(field, stored_unit(scene, field))
+    def _named(self, fields: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+        return {with_unit(name, stored_unit(self.scene, name)): own for name, own in fields.items()}
 
 
 def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.Mesh:
@@ -59,21 +51,33 @@ def mesh_of(body: Body, state: State, observed: Mapping[str, Array]) -> meshio.M
     """
     import meshio
 
-    points = np.zeros((body.nodes.shape[1], 3))
-    points[:, :2] = body.nodes.T
-    at_nodes: dict[str, Array] = {"displacement": np.zeros_like(points)}
+    at_nodes, in_triangles = _fields(body, state, observed)
+    cells = {name: [values] for name, values in in_triangles.items()}
+    triangles = [("triangle6", body.triangles.T)]
+    return meshio.Mesh(_points(body), triangles, point_data=at_nodes, cell_data=cells)
+
+
+def _points(body: Body) -> Array:
+    """Return the nodes, (n, 3)."""
+    return np.append(body.nodes.T, np.zeros((body.nodes.shape[1], 1)), axis=1)
+
+
+def _fields(
+    body: Body, state: State, observed: Mapping[str, Array]
+) -> tuple[dict[str, Array], dict[str, NDArray[Any]]]:
+    """Return fields at nodes, (n,) or (n, 3), and in triangles, (e,) or (e, 9)."""
+    at_nodes: dict[str, Array] = {"displacement": np.zeros((body.nodes.shape[1], 3))}
     at_nodes["displacement"][:, :2] = state["displacement"].T
-    in_triangles = {name: [in_cells(body, values)] for name, values in observed.items()}
+    in_triangles: dict[str, NDArray[Any]] = {n: in_cells(body, values) for n, values in observed.items()}
     if in_triangles.keys() >= set(STRESS_FIELDS):
-        in_triangles["cauchy_stress"] = [_tensor(*(in_triangles.pop(name)[0] for name in STRESS_FIELDS))]
+        in_triangles["cauchy_stress"] = _tensor(*(in_triangles.pop(name) for name in STRESS_FIELDS))
     for name, values in state.fields.items():
         if values.shape == body.cortex.nodes.shape:
             at_nodes[name] = body.spread(body.cortex, values)
         elif name == "growth":
-            in_triangles[name] = [in_cells(body, values[0])]
-    in_triangles["layer"] = [body.in_cortex.astype(np.int32)]
-    triangles = [("triangle6", body.triangles.T)]
-    return meshio.Mesh(points, triangles, point_data=at_nodes, cell_data=in_triangles)
+            in_triangles[name] = in_cells(body, values[0])
+    in_triangles["layer"] = body.in_cortex.astype(np.int32)
+    return at_nodes, in_triangles
 
 
 def _tensor(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
@@ -83,7 +87,7 @@ def _tensor(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
 
 
 def arrays_of(file: Path) -> dict[str, Array]:
-    """Return what `frame` wrote: points (n, 3), triangles (e, 6), fields at nodes and in triangles, no units.
+    """Return what `Frames` wrote: points (n, 3), triangles (e, 6), fields in both, no units.
 
     Raises CorruptFileError where the file is missing or damaged.
     """
