@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -132,3 +133,29 @@ def test_what_cannot_be_is_refused(target, words, said, capsys):
     capsys.readouterr()
     assert main(["fit", "map.py", "--target", f"1={target}", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_resume_goes_on_only_with_a_result_of_its_own(target, tmp_path, capsys):
+    words = ["map.py", "--to", "GrowthMap.cortex.0", "--target", f"1={target}", "--unit", "mm"]
+    folder = tmp_path / "results/map-fit/only"
+    shutil.copytree("hidden/map/only", folder)  # of a run, which no fit has made
+    before = {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()}
+    capsys.readouterr()
+    assert main(["fit", *words, "--resume"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "results/map-fit/only holds a result that is none of this fit: it was not fitted" in said
+    assert "--out DIR" in said
+    assert "--overwrite" in said
+    assert {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()} == before
+
+    assert main(["fit", *words, "--bounds", "1:1.15", "--set", "first=1.1", "--overwrite"]) == 0
+    assert main(["fit", *words, "--set", "last=1.2", "--resume"]) == 2
+    assert "none of this fit: scene.processes" in " ".join(capsys.readouterr().err.split())
+    assert load(folder).scene.processes[0].cortex[0] <= 1.15
+    assert main(["fit", *words, "--set", "first=1.1", "--resume"]) == 0  # its own, of other bounds
+    assert load(folder).scene.processes[0].cortex[0] == pytest.approx(1.2, rel=2e-3)
+    (folder.parent / "fit.json").unlink()  # else that already says it
+    other = ["map.py", "--to", "GrowthMap.cortex.1", *words[3:]]
+    assert main(["fit", *other, "--resume"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "none of this fit: it was fitted by GrowthMap.cortex.0" in said

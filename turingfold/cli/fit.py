@@ -25,6 +25,7 @@ from ..sensitivity.inverse import Fit
 from ..sensitivity.parameters import number_of, numbers_of
 from .case import Case, find_case, folder_name
 from .figure import save_figure
+from .fit_folder import check_own
 from .outcome import Outcome
 from .plan import Planned, base_folder, has_result, planned
 from .request import Request, Running, Telling
@@ -70,11 +71,14 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
     files = _by_time("--target", asked.targets)
     targets = {time: outline(file, asked.unit, case.known) for time, file in files.items()}
     base = base_folder(case, request)
+    folder = base / folder_name(one.name)
     if has_result(base, one.name) and not (running.resume or running.overwrite):
         raise ValueError(
             f"{base} already holds a fit; go on with it (--resume), replace it (--overwrite), or choose "
             "another folder (--out DIR)."
         )
+    if running.resume:
+        check_own(folder, one.scene, to)
     tables = _by_time("--landmarks", asked.landmarks)
     marks = {time: _landmarks(file, asked.unit) for time, file in tables.items()}
     found = fit(
@@ -91,7 +95,7 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
         case, Planned(one.name, replace(found.scene, stepping=steps), {**one.provenance, "fitted": values}),
         request, running,
     )  # fmt: skip
-    status, folder = finished([end], case, request), base / folder_name(one.name)
+    status = finished([end], case, request)
     say(f"fitted scene: {folder}")
     told = {name: {"value": value, "standard_error": error} for name, _, value, error in _rows(found)}
     facts = {
@@ -151,6 +155,7 @@ def _ran(case: Case, one: Planned, request: Request, running: Running) -> Outcom
     except ValueError:
         if not running.resume:
             raise
+        check_own(folder, one.scene, one.provenance["fitted"])
         running = replace(running, resume=False, overwrite=True)
     (end,) = outcomes(case, [one], request, running)
     return end
