@@ -1,5 +1,6 @@
 """The server of the app: what it tells, what it refuses, and that runs outlive pages and servers."""
 
+import errno
 import io
 import json
 import math
@@ -24,6 +25,7 @@ from turingfold import fold_count, load, simulate
 from turingfold.app.runs import Runs
 from turingfold.cli.case import load_case
 from turingfold.cli.main import main
+from turingfold.results.lock import FolderLock
 from turingfold.results.vtu import in_cells
 from turingfold.turing.kinetics.named import KINETICS
 
@@ -279,6 +281,27 @@ def test_stop_and_go_on_is_the_run_without_a_stop(visitor, here):
     whole = simulate(load_case(here / "tiny.py").scenes(values, quick=True)["whole"])
     again = load(here / f"runs/{run}/tiny/whole").last
     np.testing.assert_array_equal(again["displacement"], whole.last["displacement"])
+
+
+def test_a_stop_that_the_system_forbids_is_said(visitor, here, done, monkeypatch):
+    run = "20260101-000000-abcde2"
+    shutil.copytree(here / "runs" / done, here / "runs" / run)
+
+    def forbidden(process, number):
+        raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+
+    def ended(process, number):
+        lock.release()
+        raise ProcessLookupError(errno.ESRCH, os.strerror(errno.ESRCH))
+
+    lock = FolderLock(here / f"runs/{run}/tiny/whole")  # as another user's process would
+    monkeypatch.setattr(os, "kill", forbidden)
+    for _ in range(2):
+        status, words = visitor.refused(f"runs/{run}/stop", {})
+        assert status == 500
+        assert f"forbids this server to stop its process {os.getpid()} (Operation not permitted)" in words
+    monkeypatch.setattr(os, "kill", ended)
+    assert visitor.table(f"runs/{run}/stop", {}) == {}
 
 
 @pytest.mark.slow

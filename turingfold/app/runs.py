@@ -45,6 +45,10 @@ class BusyError(ValueError):
     """As many runs as may be are under way."""
 
 
+class NotStoppedError(OSError):
+    """The system forbids this server to stop a run, which goes on."""
+
+
 @dataclass(frozen=True)
 class Run:
     """A run on disk: its folder, and what was asked for."""
@@ -179,13 +183,28 @@ class Runs:
         return process is not None and process.poll() is None
 
     def stop(self, run: Run) -> None:
-        """Tell a run to stop, as Ctrl-C does: it writes down where it stands; a second time, end it."""
-        again = run.id in self._told
+        """Tell a run to stop, as Ctrl-C does: it writes down where it stands; a second time, end it.
+
+        Raises NotStoppedError where the system forbids it.
+        """
+        process = self._process(run)
+        if process is None:
+            return
+        try:
+            _tell(process, again=run.id in self._told)
+        except OSError as error:
+            if self._process(run) == process:  # else it has ended meanwhile
+                raise NotStoppedError(
+                    f"the run goes on: the system forbids this server to stop its process {process} "
+                    f"({error.strerror}); let the user who started it stop it, or wait until it has ended."
+                ) from error
         self._told.add(run.id)
+
+    def _process(self, run: Run) -> int | None:
+        """Return the process of a run that is under way on this machine, perhaps of a server before this."""
         if self._alive(run):
-            _tell(self._processes[run.id].pid, again=again)
-        elif run.result is not None and (found := _process(writer(run.result))):
-            _tell(found, again=again)  # of a server before this one
+            return self._processes[run.id].pid
+        return None if run.result is None else _process(writer(run.result))
 
     def _living(self) -> list[Run]:
         return [run for name in self._processes if self._alive(run := Run(name, self.root / name, {}))]
@@ -194,7 +213,8 @@ class Runs:
         """Stop the runs that this server has started, and wait until each has stored where it stands."""
         living = self._living()
         for run in living:
-            self.stop(run)
+            with suppress(NotStoppedError):  # it goes on; the next server finds it
+                self.stop(run)
         for run in living:
             with suppress(subprocess.TimeoutExpired):
                 self._processes[run.id].wait(PATIENCE)
@@ -218,8 +238,7 @@ def numbers(run: Run) -> dict[str, Any]:
 def _tell(process: int, *, again: bool) -> None:
     # Windows ends a process at any signal but Ctrl-Break, which the command line hears as Ctrl-C
     stop = getattr(signal, "CTRL_BREAK_EVENT", signal.SIGINT)
-    with suppress(OSError):  # it has ended
-        os.kill(process, signal.SIGTERM if again else stop)
+    os.kill(process, signal.SIGTERM if again else stop)
 
 
 def _process(words: str) -> int | None:
