@@ -259,8 +259,45 @@ def test_a_damaged_result_is_told_and_the_others_are_shown(visitor, here, done):
     told = visitor.table(f"runs/{run}")
     assert told["status"] == "damaged"
     assert "history.csv" in told["message"]
-    (here / f"runs/{run}/run.json").write_text("{")
-    assert run not in [one["id"] for one in visitor.table("runs")]
+    assert visitor.table(f"runs/{done}")["status"] == "converged"
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        ({"case": None}, '"case" must be a text, and is null'),
+        ({"quick": 1}, '"quick" must be true or false, and is 1'),
+        ({"values": [9e-3]}, '"values" must be a table, and is [0.009]'),
+        ({"scene": ...}, '"scene" must be a text, and is missing'),
+        ({"values": {"thickness": math.nan}}, "Out of range float values"),
+        ({"scene": "\ud800"}, "surrogates not allowed"),
+        ("{", "is not JSON"),
+    ],
+)
+def test_what_was_asked_for_may_be_edited_by_hand(visitor, here, done, edit, words):
+    run = "20260101-000000-abcde3"
+    shutil.copytree(here / "runs" / done, here / "runs" / run)
+    try:
+        file = here / f"runs/{run}/run.json"
+        if isinstance(edit, dict):
+            edited = {**json.loads(file.read_text()), **edit}
+            edit = json.dumps({name: value for name, value in edited.items() if value is not ...})
+        file.write_text(edit)
+        for path, body in (
+            (f"runs/{run}", None),
+            (f"runs/{run}/resume", {}),
+            (f"runs/{run}/files/case.py", None),
+        ):
+            status, told = visitor.refused(path, body)
+            assert status == 400
+            assert str(file) in told
+            assert words in told
+        listed = {one["id"]: one for one in visitor.table("runs")}
+        assert listed[run]["status"] == "damaged"
+        assert words in listed[run]["message"]
+        assert listed[done]["status"] == "converged"
+    finally:
+        shutil.rmtree(here / "runs" / run)
 
 
 def test_stop_and_go_on_is_the_run_without_a_stop(visitor, here):

@@ -9,6 +9,7 @@ Nothing is known of a run but what is in its folder: it outlives the page, and t
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import re
@@ -34,6 +35,7 @@ RUN = re.compile(r"\d{8}-\d{6}-[0-9a-f]{6}")
 SHOWN = 300  # runs in the list, the newest
 PATIENCE = 20  # s that an interrupted run has to write down where it stands
 TAIL = 4000  # bytes of what a run printed that are read
+ASKED = {"case": str, "scene": str, "values": dict, "quick": bool, "began": str, "command": str}
 NUMBERS = ("time", "gyrification_index", "folds", "sulcal_depth", "energy", "growth")
 
 
@@ -75,6 +77,26 @@ class Run:
         return ""
 
 
+def _read_asked(file: Path) -> dict[str, Any]:
+    """Return what was asked of a run; raises CorruptFileError where the file does not say it."""
+    asked = read_json(file)
+    wrong = next((name for name, kind in ASKED.items() if type(asked.get(name)) is not kind), None)
+    try:
+        json.dumps(asked, allow_nan=False, ensure_ascii=False).encode()
+    except ValueError as error:
+        raise CorruptFileError(
+            f"{file} cannot be shown ({error}); correct it, or start the run again."
+        ) from error
+    if wrong is not None:
+        kind = {str: "a text", dict: "a table", bool: "true or false"}[ASKED[wrong]]
+        found = json.dumps(asked[wrong])[:60] if wrong in asked else "missing"
+        raise CorruptFileError(
+            f'{file} is damaged: "{wrong}" must be {kind}, and is {found}; correct it, or start the run '
+            "again."
+        )
+    return {name: asked[name] for name in ASKED}
+
+
 def _is_error(line: str) -> bool:
     return line.startswith("turingfold: ") and not line.startswith("turingfold: note: ")
 
@@ -95,11 +117,10 @@ class Runs:
         self._lock = Lock()
 
     def find(self, name: str) -> Run:
-        """Return a run by its id; raises UnknownRunError."""
+        """Return a run by its id; raises UnknownRunError, CorruptFileError where its run.json is damaged."""
         folder = self.root / name
-        if RUN.fullmatch(name) and not folder.is_symlink() and folder.is_dir():
-            with suppress(CorruptFileError):
-                return Run(name, folder, read_json(folder / "run.json"))
+        if RUN.fullmatch(name) and not folder.is_symlink() and (folder / "run.json").exists():
+            return Run(name, folder, _read_asked(folder / "run.json"))
         raise UnknownRunError(f"there is no run {name[:40]!r}.")
 
     def listed(self) -> list[dict[str, Any]]:
@@ -107,10 +128,17 @@ class Runs:
         found = []
         for name in sorted((path.name for path in self.root.iterdir()), reverse=True)[:SHOWN]:
             with suppress(UnknownRunError):
-                run = self.find(name)
-                status, message = self.status(run)
-                found.append({**run.asked, "id": name, "status": status, "message": message, **numbers(run)})
+                found.append({"id": name, **self._in_list(name)})
         return found
+
+    def _in_list(self, name: str) -> dict[str, Any]:
+        try:
+            run = self.find(name)
+        except CorruptFileError as error:
+            unknown = {key: kind() for key, kind in ASKED.items()}
+            return {**unknown, "status": "damaged", "message": str(error)}
+        status, message = self.status(run)
+        return {**run.asked, "status": status, "message": message, **numbers(run)}
 
     def begin(self, choice: Choice, scene: str, values: Mapping[str, Any], *, quick: bool) -> str:
         """Start a run and return its id; raises ValueError for bad values, BusyError for too many runs."""
