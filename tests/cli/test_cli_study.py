@@ -145,6 +145,21 @@ def test_what_cannot_be_sampled_is_refused(vary, message):
         plan(*vary, method="lhs", samples=3)
 
 
+@pytest.mark.parametrize(
+    ("vary", "samples", "count"),
+    [
+        ((("thickness", "8e-3:9e-3:3000"), ("cortex", "1.1:1.3:2000")), 0, 6_000_000),
+        ((("thickness", "8e-3:9e-3"),), 20_000_000_000, 20_000_000_000),
+        ((("thickness", "8e-3:9e-3"), ("cortex", "1.1:1.3:400")), 300, 120_000),
+        ((("cortex", "1.1:1.3:400"), ("Stepping.largest", "0.1:0.5:400")), 0, 160_000),
+    ],
+)
+def test_more_points_than_may_be_are_refused_before_they_are_made(vary, samples, count):
+    design = Design(vary, method="lhs" if samples else "", samples=samples)
+    with pytest.raises(ValueError, match=f"would have {count} points, and may have 100000: list fewer"):
+        points(find_case("patch.py"), Request("patch.py"), design, Path("out"), "last")
+
+
 def test_of_a_point_the_summary_the_last_state_or_all_is_kept():
     (one,) = plan("cortex=1.2", "first=0.1")
     ends, sizes = [], []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -18,6 +19,8 @@ from .case import Case, check_apart, folder_name
 from .plan import given_values
 from .point import Maker, Point
 from .request import Assignments, Request
+
+MOST_POINTS = 100_000  # of a study; each takes 2 kB here, a folder on disk, and a run
 
 
 @dataclass(frozen=True)
@@ -68,9 +71,12 @@ def points(case: Case, request: Request, design: Design, base: Path, keep: str) 
     maker = Maker(case)
     scenes = _first(case, every, own, maker, quick=request.quick)
     names = _chosen(case, scenes, request.only)
+    combined = 0
     for name in names:
         of_parts = {part: read_values(text, scenes[name], part) for part, text in lists.parts.items()}
         check_lists({name: [0] for name in every[0].names} | dict(lists.own) | of_parts)
+        combined += math.prod(map(len, of_parts.values()))
+    _check_count(len(every) * combined)
     plain = Point(
         case.path, case.sha256, "", "", tuple(scenes), {}, {}, {}, base, request.quick, keep,
     )  # fmt: skip
@@ -131,6 +137,7 @@ def _every(case: Case, design: Design, lists: _Lists, given: set[str]) -> list[_
     for name in names:
         if names.count(name) > 1 or name in given:
             raise ValueError(f"{name} is given twice; list all its values in one --vary.")
+    _check_count(len(rows) * (design.samples or 1) * math.prod(map(len, lists.own.values())))
     samples = _samples(case, lists.ranges, design) or nothing
     grid = [dict(zip(lists.own, chosen, strict=True)) for chosen in product(*lists.own.values())]
     found = []
@@ -232,6 +239,14 @@ def _of_scene(scene: Scene, values: _Values) -> Iterator[tuple[dict[str, Any], s
     lists = {name: read_values(text, scene, name) for name, text in values.parts.items()}
     for chosen in product(*lists.values()):
         yield {**values.own, **dict(zip(lists, chosen, strict=True))}, values.refused
+
+
+def _check_count(points: int) -> None:
+    if points > MOST_POINTS:
+        raise ValueError(
+            f"the study would have {points} points, and may have {MOST_POINTS}: list fewer values, take "
+            "fewer samples (--lhs N), or make several studies of it (--out DIR)."
+        )
 
 
 def _check_names(names: Sequence[str]) -> None:

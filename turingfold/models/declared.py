@@ -30,6 +30,7 @@ SWITCHES = {"on": True, "off": False, "true": True, "false": False, "yes": True,
 KINDS = {float: "a number", int: "a whole number", bool: "on or off", str: "a word"}
 CHOSEN = "auto"  # None on the command line: the case chooses the value by others
 QUICK = "quick_values"  # attribute of a decorated function
+MOST_VALUES = 100_000  # of one parameter; six digits, as in names, tell about as many apart
 
 
 @dataclass(frozen=True)
@@ -217,15 +218,20 @@ def nearest(word: str, known: Mapping[str, Any] | tuple[str, ...]) -> str:
 
 
 def evenly_spaced(name: str, text: str) -> list[float]:
-    """Return the numbers of "first:last:count"; raises ValueError where it says none."""
+    """Return the numbers of "first:last:count"; raises ValueError where it says none, or too many."""
     try:
-        first, last, count = text.split(":")
-        numbers: list[float] = np.linspace(float(first), float(last), int(count)).tolist()
+        low, high, number = text.split(":")
+        first, last, count = float(low), float(high), int(number)
     except ValueError as error:
-        numbers = []
         raise ValueError(f"{name}={text} must be FIRST:LAST:COUNT, such as 1.5:1.9:3.") from error
-    if not numbers:
+    if count < 1:
         raise ValueError(f"{name}={text} lists no value; the count must be at least 1.")
+    if count > MOST_VALUES:
+        raise ValueError(
+            f"{name}={text} lists {count} values; the count must be at most {MOST_VALUES}: give fewer, or a "
+            "part of the range at a time."
+        )
+    numbers: list[float] = np.linspace(first, last, count).tolist()
     return numbers
 
 

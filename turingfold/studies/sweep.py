@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from itertools import combinations, permutations, product
+from itertools import permutations, product
 from typing import Any
 
 from ..checks import instance
@@ -128,12 +128,14 @@ def _check(values: Mapping[str, Sequence[Any]]) -> None:
 
 def _check_names(parameter: str, names: Sequence[str], values: Sequence[Any]) -> None:
     """Raise ValueError where two values of a parameter have one name."""
-    for (name, value), (other, again) in combinations(zip(names, values, strict=True), 2):
-        if name == other:
+    seen: dict[str, Any] = {}
+    for name, value in zip(names, values, strict=True):
+        if name in seen:
             raise ValueError(
-                f"{parameter} has the values {value!r} and {again!r}, both named {name!r}; leave one "
+                f"{parameter} has the values {seen[name]!r} and {value!r}, both named {name!r}; leave one "
                 "out, or let them differ in six digits."
             )
+        seen[name] = value
 
 
 def _labels(parameters: Iterable[str]) -> dict[str, str]:
