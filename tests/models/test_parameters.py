@@ -80,6 +80,8 @@ def test_texts_are_read_in_the_kind_of_the_parameter(name, text, values):
         ("half_waves", "8:9:0", ("half_waves=8:9:0", "lists no value")),
         ("half_waves", "8:24:-3", ("half_waves=8:24:-3", "lists no value")),
         ("thickness", "2e-3:4e-3:20000000000", ("lists 20000000000 values", "at most 100000", "give fewer")),
+        ("thickness", "2e-3:inf:3", ("2e-3:inf:3: the last value is inf", "two finite numbers")),
+        ("thickness", "-inf:2e-3:3", ("the first value is -inf", "two finite numbers")),
         ("half_waves", "8:9", ("half_waves=8:9", "FIRST:LAST:COUNT")),
         ("tension", "maybe", ("tension=maybe", "on or off")),
         ("base", "rollers", ("base=rollers", "clamped, roller, free", "did you mean roller?")),

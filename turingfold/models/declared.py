@@ -224,6 +224,9 @@ def evenly_spaced(name: str, text: str) -> list[float]:
         first, last, count = float(low), float(high), int(number)
     except ValueError as error:
         raise ValueError(f"{name}={text} must be FIRST:LAST:COUNT, such as 1.5:1.9:3.") from error
+    for end, value in (("first", first), ("last", last)):
+        if not math.isfinite(value):
+            raise ValueError(f"{name}={text}: the {end} value is {value}; give two finite numbers.")
     if count < 1:
         raise ValueError(f"{name}={text} lists no value; the count must be at least 1.")
     if count > MOST_VALUES:
