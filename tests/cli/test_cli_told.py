@@ -197,3 +197,26 @@ def test_every_command_that_prints_numbers_takes_the_same_words():
     assert {name for name, own in words.items() if not {"-q", "--quiet", "--json"} <= own} == silent
     steps = {"run", "sweep", "accuracy", "sensitivity", "fit", "buckling", "atlas"}
     assert {name for name, own in words.items() if {"-v", "--verbose"} <= own} == steps
+
+
+def test_a_figure_of_an_earlier_command_is_not_taken_for_that_of_one_that_failed(here, capsys):
+    words = "mine.png is of an earlier command; this one has drawn nothing there."
+
+    def status(*asked):
+        return main([*asked, "--figure", "mine.png"])
+
+    assert status("run", "patch.py", "--set", "young=-1") == 2
+    assert words not in capsys.readouterr().err  # there is none yet
+    assert status("stability", "Schnakenberg", "--param", "a=0.1") == 0
+    first = Path("mine.png").read_bytes()
+    assert status("stability", "Schnakenberg", "--param", "a=0.15") == 0
+    assert words not in capsys.readouterr().err
+    second = Path("mine.png").read_bytes()
+    assert second != first
+    for failing in (
+        ("stability", "Schnakenberg", "--param", "c=1"),
+        ("run", "patch.py", "--set", "young=-1", "-q"),
+    ):
+        assert status(*failing) == 2
+        assert words in " ".join(capsys.readouterr().err.split())
+        assert Path("mine.png").read_bytes() == second

@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "command" not in options:
         say(commands.format_help().rstrip())
         return 0
-    with _aside(options):
+    with _aside(options), _told_if_old(getattr(options, "figure", None)):
         answer = _answered(options)
     if _has(options, "json"):
         import json
@@ -81,6 +81,24 @@ def _aside(options: argparse.Namespace) -> Iterator[None]:
             yield
     else:
         yield
+
+
+@contextmanager
+def _told_if_old(figure: Path | None) -> Iterator[None]:
+    """Say of a file that the command was to draw, and has not, that it is of an earlier one."""
+    before = _identity(figure)
+    yield
+    if before is not None and _identity(figure) == before:
+        complain(f"note: {figure} is of an earlier command; this one has drawn nothing there.")
+
+
+def _identity(file: Path | None) -> tuple[int, int] | None:
+    """Return what tells a file from one that replaces it; None where there is none."""
+    with suppress(OSError):
+        if file is not None:
+            found = file.stat()
+            return found.st_ino, found.st_mtime_ns
+    return None
 
 
 def _answered(options: argparse.Namespace) -> Answer:
