@@ -4,6 +4,7 @@ import os
 import py_compile
 import shutil
 import sys
+from importlib.machinery import FileFinder, SourceFileLoader
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,17 @@ def test_a_case_and_what_it_imports_are_run_from_their_text(tmp_path, monkeypatc
         assert found == number
     sys.modules.pop("beside_bulging", None)
     sys.path.remove(str(tmp_path))
+
+
+def test_how_a_folder_that_is_on_the_path_is_imported_from_stays(tmp_path, monkeypatch):
+    """Others may have their own way there, such as pytest's assertions or a zip."""
+    (tmp_path / "standing.py").write_text(
+        '"""A case."""\nfrom beside_standing import GROWTH\n\ndef scenes(quick=False):\n    return {}\n'
+    )
+    (tmp_path / "beside_standing.py").write_text("GROWTH = 3\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    own = FileFinder(str(tmp_path), (SourceFileLoader, [".py"]))
+    monkeypatch.setitem(sys.path_importer_cache, str(tmp_path), own)
+    assert load_case(tmp_path / "standing.py").module.GROWTH == 3
+    assert sys.path_importer_cache[str(tmp_path)] is own
+    sys.modules.pop("beside_standing")

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from functools import cached_property
 from hashlib import sha256
+from importlib import invalidate_caches
 from importlib.machinery import EXTENSION_SUFFIXES, ExtensionFileLoader, FileFinder, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -178,8 +179,9 @@ def _module(path: Path, name: str) -> ModuleType:
     beside = str(path.resolve().parent)
     if beside not in sys.path:  # as for a script, though last: a case may have the name of a library
         sys.path.append(beside)
-    own = (_Uncached, [".py"]), (ExtensionFileLoader, EXTENSION_SUFFIXES)
-    sys.path_importer_cache[beside] = FileFinder(beside, *own)  # files that it imports, likewise
+        own = (_Uncached, [".py"]), (ExtensionFileLoader, EXTENSION_SUFFIXES)
+        sys.path_importer_cache[beside] = FileFinder(beside, *own)  # files that it imports, likewise
+    invalidate_caches()  # it may import a file that was written just now
     with explained(path):
         spec.loader.exec_module(module)
     return module
