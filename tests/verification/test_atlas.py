@@ -27,6 +27,7 @@ from turingfold.cli.main import main
 from turingfold.verification.atlas import families, patterns
 from turingfold.verification.atlas.cells import drawn, scene
 from turingfold.verification.atlas.judge import crosses, faults, least_determinant, residual
+from turingfold.verification.atlas.known import has_solution, reached, told
 from turingfold.verification.atlas.run import FORBIDDEN, _serve, judged
 
 
@@ -156,6 +157,45 @@ def test_a_scene_of_a_family_is_of_its_kind():
     assert scene("dynamic", in_motion, 5.0).stepping.seconds == 5.0
 
 
+AT_REST = {
+    "element": "quadratic",
+    "poisson": 0.3,
+    "law": "none",
+    "moving": "none",
+    "scheme": "euler",
+    "off": 0.0,
+}
+
+
+def test_a_minimum_of_the_energy_is_known_where_there_is_one_and_nowhere_else():
+    assert has_solution("ordinary", AT_REST)
+    assert has_solution("dynamic", AT_REST | {"moving": "inertia"})
+    assert has_solution("mechanics", {"element": "auto", "poisson": "0.48"})  # as read from a table
+    for other in (
+        {"element": "mixed"}, {"element": "auto", "poisson": 0.49}, {"law": "stress"}, {"moving": "damped"},
+        {"scheme": "midpoint"}, {"off": "0.1"},
+    ):  # fmt: skip
+        assert not has_solution("ordinary", AT_REST | other), other
+    assert not has_solution("pattern", drawn("pattern", 0, 0))
+
+
+def test_the_share_of_known_solutions_counts_neither_refused_cells_nor_those_that_were_told_invalid():
+    outcomes = ["valid", "valid", "valid", "stopped", "told invalid", "refused"]
+    rows = [AT_REST | {"outcome": outcome} for outcome in outcomes]
+    rows += [AT_REST | {"outcome": "stopped", "law": "stress"}]
+    assert reached("ordinary", rows) == (3, 5)
+    assert told((3, 5)) == "3 of 5 with a known solution reach it (60 %)"
+    assert told((0, 0)) == ""
+
+
+@pytest.mark.parametrize("ratio", [0.01, 1.0, 100.0])
+def test_the_energy_of_the_argument_grows_as_it_says(ratio):
+    b = np.geomspace(1e-6, 1e6, 200001)  # J*^(2/3)
+    a = 1e4 * ratio
+    assert (a / b + b**3).min() >= 1.75 * a**0.75
+    assert (a / b + b**3).min() < 1.76 * a**0.75
+
+
 FAST = {"ordinary": (6, 8), "dynamic": (36, 37), "stepping": (5,), "extreme": (0, 4)}
 
 
@@ -200,7 +240,10 @@ def test_the_command_goes_on_with_its_tables(tmp_path, capsys):
     words = ["atlas", "--out", str(tmp_path), "--mechanics", "2", "--patterns", "2", "--marches", "1"]
     words += ["--ordinary", "1", "--dynamic", "1", "--stepping", "1", "--extreme", "1"]
     assert main([*words, "--seconds", "60", "-j", "2"]) == 0
-    assert "mechanics: 2 cells: 2 valid" in capsys.readouterr().out
+    assert (
+        "mechanics: 2 cells: 2 valid; 1 of 1 with a known solution reach it (100 %)"
+        in capsys.readouterr().out
+    )
     assert (tmp_path / "atlas.png").read_bytes().startswith(b"\x89PNG")
     rows = list(csv.DictReader((tmp_path / "mechanics.csv").read_text().splitlines()))
     assert [row["outcome"] for row in rows] == ["valid", "valid"]

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
 
+from ..verification.atlas.known import reached
+from ..verification.atlas.known import told as reaching
 from ..verification.atlas.picture import draw, summed
 from ..verification.atlas.run import FORBIDDEN, Row, run
 from .figure import save_figure
@@ -38,13 +40,18 @@ def atlas(
             progress(f"{ended} cells have ended, the last is {kind} {row['number']} of {counts[kind]}")
 
     rows = run(folder, counts, seed=seed, seconds=seconds, jobs=jobs, progress=told)
+    known = {kind: reached(kind, own) for kind, own in rows.items()}
     for kind, own in rows.items():
-        say(f"{kind}: {summed(own)}")
+        words = reaching(known[kind])
+        say(f"{kind}: {summed(own)}" + (f"; {words}" if words else ""))
     picture = folder / "atlas.png"
     with save_figure(picture) as figure:
         draw(figure, rows)
     say(f"figure: {picture}")
     outcomes = {kind: Counter(row["outcome"] for row in own) for kind, own in rows.items()}
-    facts = {"folder": str(folder), "outcomes": {kind: dict(own) for kind, own in outcomes.items()}}
+    facts = {
+        "folder": str(folder), "outcomes": {kind: dict(own) for kind, own in outcomes.items()},
+        "known": {kind: {"reached": found, "cells": count} for kind, (found, count) in known.items()},
+    }  # fmt: skip
     wrong = any(own[outcome] for own in outcomes.values() for outcome in FORBIDDEN)
     return Answer(STOPPED if wrong else 0, {**facts, "figures": [str(picture)]})

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .families import FAMILIES
+from .known import reached, told
 from .run import FORBIDDEN, OUTCOMES, REFUSED, STOPPED, TOLD, VALID, Row
 
 if TYPE_CHECKING:
@@ -54,10 +55,12 @@ def draw(figure: Figure, rows: Mapping[str, Sequence[Row]]) -> None:
     places = [number + s for (_, number), s in zip(drawn, spread, strict=True)]
     _points(families, whole, [max(float(row["seconds"]), 0.02) for row in whole], places)
     families.set(xscale="log", xlabel="run time with its check (s)")
-    families.set_yticks(range(len(FAMILIES)), [f"{family}, {len(rows[family])}" for family in FAMILIES])
+    names = [f"{family}, {len(rows[family])}\n{_share(family, rows)}" for family in FAMILIES]
+    families.set_yticks(range(len(FAMILIES)), names)
     families.invert_yaxis()
     titles = (
-        _title("mechanics", solid), "the same cells", _title("patterns (steady above)", chemical),
+        _title("mechanics", solid), told(reached("mechanics", solid)) or "the same cells",
+        _title("patterns (steady above)", chemical),
         "effort, mechanics", _title("families of scenes", whole),
     )  # fmt: skip
     for (letter, axes), title in zip(panels.items(), titles, strict=True):
@@ -81,6 +84,11 @@ def summed(rows: Sequence[Row]) -> str:
 def _title(what: str, rows: Sequence[Row]) -> str:
     forbidden = sum(row["outcome"] in FORBIDDEN for row in rows)
     return f"{what}, {len(rows)} cells, {forbidden} lies, hangs, untyped errors"
+
+
+def _share(family: str, rows: Mapping[str, Sequence[Row]]) -> str:
+    found, known = reached(family, rows[family])
+    return f"{found} of {known} known" if known else ""
 
 
 def _points(axes: Axes, rows: Sequence[Row], x: Sequence[float], y: Sequence[Any]) -> None:
