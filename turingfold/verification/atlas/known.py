@@ -14,8 +14,9 @@ Nečas 1987, Arch. Ration. Mech. Anal. 97, 171). Of the terms of the atlas:
 
 The undeformed body has finite energy, or else it is refused. That solution need not be near the last one,
 nor valid between the points where the energy looks. Not known are: mixed elements, whose equilibria are
-saddles of displacement and pressure; growth in response to stress, which earlier equilibria choose; stiffness damping,
-ends of midpoint steps, and bounds on the error of a step; steady patterns beyond their onset.
+saddles of displacement and pressure; growth in response to stress, which earlier equilibria choose;
+stiffness damping, ends of midpoint steps, and bounds on the error of a step; steady patterns beyond their
+onset.
 """
 
 from __future__ import annotations
