@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, fields
 
 from ..results.result import Result, load
-from ..results.units import is_si, with_unit
+from ..results.units import is_si, measure_unit, with_unit
 from ..studies.accuracy import Difference, compared, draw, told, trials
 from .case import check_apart, find_case, folder_name
 from .figure import save_figure
@@ -65,7 +65,7 @@ def accuracy(request: Request, running: Running, *, meshes: int, steps: int) -> 
 
 def _unit(name: str, *, si: bool) -> str:
     """Return the unit of a column; si: whether energies are in J/m, and not in units of the scene's own."""
-    return {"energy": "J/m" if si else "", "distance": "T", "seconds": "s"}.get(name, "")
+    return "T" if name == "distance" else measure_unit(name) if si else ""
 
 
 def of_scenes(results: Mapping[str, Result]) -> dict[str, dict[str, list[Difference]]]:

@@ -12,7 +12,7 @@ import numpy as np
 from ..figures.bifurcation import MEASURES, bifurcation_diagram, pial_measures
 from ..results.files import write_whole
 from ..results.history import lines
-from ..results.units import is_si, with_unit
+from ..results.units import stored_unit, with_unit
 from .case import find_case, folder_name
 from .figure import save_figure
 from .plan import planned
@@ -73,13 +73,11 @@ def _row(watch: Watch, name: str, point: PathPoint) -> None:
 
 def write_path(file: Path, scene: Scene, path: EquilibriumPath) -> None:
     """Write a path as CSV, a row per point."""
-    body, si = scene.body, is_si(scene)
-    units = dict.fromkeys(MEASURES, "m") | {"energy": "J/m"} if si else {}
     moves = [point.state["displacement"] for point in path.points]
-    columns = {name: path.of(name) for name in NUMBERS} | pial_measures(body, moves)
+    columns = {name: path.of(name) for name in NUMBERS} | pial_measures(scene.body, moves)
     columns["negative_pivots"] = path.of("negative_pivots").astype(int)
     rows = [{name: values[k].item() for name, values in columns.items()} for k in range(len(path.points))]
-    head = ",".join(with_unit(name, units.get(name, "")) for name in (*NUMBERS, *MEASURES))
+    head = ",".join(with_unit(name, stored_unit(scene, name)) for name in (*NUMBERS, *MEASURES))
     write_whole(file, f"{head}\n{lines(rows, (*NUMBERS, *MEASURES))}".encode())
 
 

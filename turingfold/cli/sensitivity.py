@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..figures.bars import tornado
 from ..results.result import Result, load
-from ..results.units import is_si, parameter_unit
+from ..results.units import is_si, measure_unit, parameter_unit
 from ..scene import Scene
 from ..sensitivity.forward import Sensitivity, sensitivity
 from ..sensitivity.parameters import number_of, numbers_of
@@ -31,7 +31,6 @@ COLUMNS = (
     "scene", "measure", "measure_unit", "number", "parameter", "parameter_unit", "value", "derivative",
     "per_cent_per_per_cent", "force_error", "good_for", "kink",
 )  # fmt: skip
-UNITS = {"perimeter": "m", "sulcal_depth": "m", "energy": "J/m"}  # of measures in SI
 ROUGH = 1e-2  # relative error of a derivative of forces that is told
 
 
@@ -162,7 +161,7 @@ def _facts(one: Sensitivity) -> dict[str, Any]:
 def _rows(name: str, one: Sensitivity, *, si: bool) -> Iterator[tuple[Any, ...]]:
     for i, measure in enumerate(one.measures):
         for k, parameter in enumerate(one.parameters):
-            units = (UNITS.get(measure, ""), parameter_unit(parameter)) if si else ("", "")
+            units = (measure_unit(measure), parameter_unit(parameter)) if si else ("", "")
             yield (
                 name, measure, units[0], one.numbers[i], parameter, units[1], one.values[k],
                 one.derivatives[i, k], one.relative[i, k], one.errors[k], one.ranges[k], one.jumps[i, k],

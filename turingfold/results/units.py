@@ -9,10 +9,14 @@ from ..scene import Scene, stress_scale
 
 BRAIN = 0.5  # m; a body longer than this is no brain in metres, but one in units of its own
 UNITS_THEMSELVES = ("seconds",)
-LENGTHS = ("displacement", "min_gap")
-ENERGIES = ("energy", "kinetic_energy", "drag_work", "damping_work")
 UNSEEN = 1e-4  # smaller errors do not show in four decimals; they are said to be that
-STRESSES = ("von_mises", "pressure", "contact_pressure", "cauchy_stress")
+MEASURES = {  # units in SI of what is stored, tabulated or measured and is no pure number, by name
+    **dict.fromkeys(("displacement", "min_gap", "perimeter", "sulcal_depth", "least_fold_depth"), "m"),
+    **dict.fromkeys(("normal_displacement", "fold_amplitude"), "m"),
+    **dict.fromkeys(("von_mises", "pressure", "contact_pressure", "cauchy_stress"), "Pa"),
+    **dict.fromkeys(("energy", "kinetic_energy", "drag_work", "damping_work"), "J/m"),
+    "seconds": "s",
+}
 PARAMETERS = {  # of parts, by the end of their names
     "mu": "Pa", "kappa": "Pa", "Body.thickness": "m", "Inertia.density": "kg/m³", "ActiveStress.stress": "Pa",
 }  # fmt: skip
@@ -52,14 +56,16 @@ def is_si(scene: Scene) -> bool:
 
 
 def stored_unit(scene: Scene, name: str) -> str:
-    """Return the unit in which a field or a number of the history is stored: m, Pa or J/m.
+    """Return the unit in which a field, a number or a measure of a scene is stored: m, Pa or J/m.
 
     None of pure numbers, of times, which are the scene's, and in scenes with units of their own.
     """
-    if not is_si(scene):
-        return ""
-    kinds = {"m": LENGTHS, "Pa": STRESSES, "J/m": ENERGIES}
-    return next((unit for unit, names in kinds.items() if name in names), "")
+    return measure_unit(name) if is_si(scene) else ""
+
+
+def measure_unit(name: str) -> str:
+    """Return the unit in SI of a field, a number or a measure; "" of pure numbers and of times."""
+    return MEASURES.get(name, "")
 
 
 def parameter_unit(name: str) -> str:
