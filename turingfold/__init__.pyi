@@ -82,11 +82,11 @@ from .outlines.skull import skull_around as skull_around
 from .outlines.surface import surface_section as surface_section
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError
+from .results.loading import UnfinishedWarning as UnfinishedWarning
+from .results.loading import load as load
 from .results.paths import path_arrays as path_arrays
 from .results.paths import path_of_arrays as path_of_arrays
 from .results.result import Result as Result
-from .results.result import UnfinishedWarning as UnfinishedWarning
-from .results.result import load as load
 from .results.simulate import CoarseMeshWarning as CoarseMeshWarning
 from .results.simulate import StoppedError as StoppedError
 from .results.simulate import simulate as simulate

@@ -14,7 +14,7 @@ from turingfold import figures, load
 from turingfold.cli.case import find_case
 from turingfold.cli.files import shipped, short
 from turingfold.cli.main import main
-from turingfold.results.result import read_result
+from turingfold.results.loading import read_result
 from turingfold.studies.columns import NUMBERS, Column
 from turingfold.studies.diagram import phase_diagram, values_of
 from turingfold.studies.sweep import settable, with_value

@@ -19,9 +19,10 @@ from ..morphometry.folds import find_folds
 from ..results.document import read_scene
 from ..results.files import CorruptFileError
 from ..results.history import read_history
+from ..results.loading import read_result
 from ..results.measures import fold_numbers
 from ..results.reading import state_of
-from ..results.result import along_pial, pial_closed, read_result
+from ..results.result import along_pial, pial_closed
 from ..results.units import length_unit, stress_unit
 from ..results.vtu import arrays_of
 from ..scene import Scene

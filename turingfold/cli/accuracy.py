@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 
-from ..results.result import Result, load
+from ..results.loading import load
+from ..results.result import Result
 from ..results.units import is_si, measure_unit, with_unit
 from ..studies.accuracy import Difference, compared, draw, told, trials
 from .case import check_apart, find_case, folder_name

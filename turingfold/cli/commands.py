@@ -122,7 +122,7 @@ def _draw(options: argparse.Namespace) -> Answer:
 
 def _animate(options: argparse.Namespace) -> Answer:
     from ..figures.animation import animate
-    from ..results.result import load
+    from ..results.loading import load
     from .case import named_parts
     from .tools import scene_folder
 

@@ -16,7 +16,8 @@ from ..geometry.units import metres
 from ..morphometry.landmarks import LandmarkTable
 from ..results.document import stored
 from ..results.folder import check_folder
-from ..results.result import Result, load, read_result
+from ..results.loading import load, read_result
+from ..results.result import Result
 from ..results.surface import pial_closed
 from ..results.units import is_si, parameter_unit
 from ..scene import Scene

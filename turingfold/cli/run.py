@@ -13,7 +13,8 @@ from ..figures.style import mark_unfinished
 from ..results.document import stored
 from ..results.files import read_json
 from ..results.folder import check_folder
-from ..results.result import Result, read_result
+from ..results.loading import read_result
+from ..results.result import Result
 from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
 from .case import Case, explained, find_case, folder_name
 from .computed import compute, read_computed

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..figures.bars import tornado
-from ..results.result import Result, load
+from ..results.loading import load
+from ..results.result import Result
 from ..results.units import is_si, measure_unit, parameter_unit
 from ..scene import Scene
 from ..sensitivity.forward import Sensitivity, sensitivity

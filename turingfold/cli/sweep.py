@@ -15,9 +15,10 @@ from ..figures.grids import grid
 from ..figures.style import sulci
 from ..results.files import writing
 from ..results.folder import expected_size
+from ..results.loading import read_result
 from ..results.lock import FolderLock
 from ..results.plain import as_plain
-from ..results.result import Result, read_result
+from ..results.result import Result
 from ..results.simulate import CoarseMeshWarning, coarseness
 from ..results.units import is_si
 from .case import Case, find_case, folder_name

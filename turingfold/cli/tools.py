@@ -128,7 +128,7 @@ def _curve(path: Path, known: tuple[Any, ...]) -> tuple[Array, Array | None, flo
         from ..outlines.read import read_outline
 
         return read_outline(path).single(), None, None
-    from ..results.result import load
+    from ..results.loading import load
 
     result = load(scene_folder(path), known=known)
     return result.pial(), result.pial(0), result.scene.body.thickness

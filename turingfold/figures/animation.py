@@ -14,8 +14,8 @@ from ..arrays import Array
 from ..checks import one_of, whole
 from ..growth.measure import largest_growth
 from ..morphometry.folds import fold_count
-from ..results.files import write_whole
-from ..results.result import FilePath, Result, pial_closed
+from ..results.files import FilePath, write_whole
+from ..results.result import Result, pial_closed
 from .sections import FIELDS, field_limits, section
 from .style import MM, copies, sulci
 

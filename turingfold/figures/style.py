@@ -14,7 +14,8 @@ import numpy as np
 
 from ..arrays import Array, Booleans, Integers, add_up
 from ..geometry.body import Body
-from ..results.result import Result, UnfinishedWarning
+from ..results.loading import UnfinishedWarning
+from ..results.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,6 +24,8 @@ from numpy.typing import NDArray
 
 from .plain import as_plain
 
+FilePath = str | os.PathLike[str]
+
 CHECKSUM = "sha256"
 GO_ON = "Everything written before is complete; {}, then go on with resume=True (--resume)"
 FREE_SPACE = GO_ON.format("free some space")

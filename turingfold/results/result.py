@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +19,6 @@ from ..scene import Scene
 from ..solve.march import observed
 from ..solve.problem import Problem, configuration
 from ..state import State
-from .files import CorruptFileError
 from .measures import area_numbers, fold_numbers, pial_pattern, shape_numbers
 from .surface import along_pial as along_pial
 from .surface import pial_closed as pial_closed
@@ -32,14 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Row = dict[str, float]
-FilePath = str | os.PathLike[str]
 
 NAN = float("nan")
 STATUSES = ("converged", "stopped", "interrupted", "running", "invalid")
-
-
-class UnfinishedWarning(UserWarning):
-    """A stored result whose last state is not the end of its scene, or is no valid one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -304,49 +295,6 @@ class Result:
             "quadrature_errors": dict(self.quadrature_errors) or None,
             "converged": self.converged,
         }
-
-
-def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
-    """Return the result stored in a folder; its states are those that were kept, and the last one.
-
-    known: classes and functions from outside turingfold that the scene is made of.
-    Warns (UnfinishedWarning) of a result that did not reach its scene's end.
-    Raises ValueError if the folder holds no result or one whose scene cannot be rebuilt, CorruptFileError
-    where a file is damaged.
-    """
-    result = read_result(folder, known=known)
-    if end := result.unfinished:
-        said = result.message if end in result.message else f"{end}. {result.message}"
-        warnings.warn(f"{folder}: {said}", UnfinishedWarning, stacklevel=2)
-    return result
-
-
-def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
-    """Do what `load` does, without a warning."""
-    from .document import read_scene
-    from .history import read_history
-    from .reading import read_ending, read_states
-
-    path = Path(folder)
-    scene, ending = read_scene(path, known), read_ending(path)
-    states = read_states(path)
-    if not states:
-        raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
-    # a killed run loses what is beyond the last state with a row, or the last row with a state
-    history = [row for row in read_history(path) if row["time"] <= states[-1].time]
-    states = [state for state in states if state.time <= (history[-1]["time"] if history else 0.0)]
-    found = states[-1].time if states else None, len(history)
-    if ending.time is not None and found != (ending.time, ending.steps):
-        raise CorruptFileError(
-            f"{path}: the last state, of t = {ending.time:g}, or the history that leads to it is missing or "
-            "damaged; go on with resume=True (--resume), or run the scene again."
-        )
-    seconds = sum(row["seconds"] for row in history) if ending.seconds is None else ending.seconds
-    return Result(
-        scene, tuple(states), tuple(history), ending.status, ending.message, seconds, ending.seconds_by_part,
-        ending.errors, ending.no_errors, ending.step_errors or {}, ending.no_step_errors,
-        ending.quadrature_errors or {},
-    )  # fmt: skip
 
 
 def observe(problem: Problem, state: State, dt: float) -> dict[str, Array]:

@@ -20,9 +20,10 @@ from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
 from ..state import State
 from .document import origin
+from .files import FilePath
 from .log import is_due
 from .measures import crossings, gyrification, inverted
-from .result import FilePath, Result, Row, observe
+from .result import Result, Row, observe
 from .watch import Tracker, watcher
 
 if TYPE_CHECKING:
