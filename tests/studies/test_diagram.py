@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from turingfold.cli import plot as command
 from turingfold.cli.main import main
 from turingfold.studies.columns import NUMBERS, Column
 from turingfold.studies.diagram import bands, phase_diagram, values_of
 
+AREA = "area over that at rest"
 THICKNESS = Column("thickness of the cortex", "m")
 
 
@@ -115,3 +117,36 @@ def test_a_stored_study_is_drawn_from_its_records(tmp_path, monkeypatch, capsys)
     assert "no column thicknes; did you mean thickness?" in capsys.readouterr().err
     assert main(["plot", "elsewhere", "--x", "thickness"]) == 2
     assert "holds no study" in capsys.readouterr().err
+
+
+def test_what_alone_is_varied_is_drawn_along_x(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("patch.py").write_text(CASE)
+    drawn = []
+    for kind in (bands, phase_diagram):
+
+        def noted(axes, *columns, draw=kind):
+            drawn.append(tuple(column.heading for column in columns))
+            draw(axes, *columns)
+
+        monkeypatch.setattr(command, kind.__name__, noted)
+
+    def said(*words):
+        assert main(["plot", *words]) == 2
+        return " ".join(capsys.readouterr().err.split())
+
+    swept = ["sweep", "patch", "--keep", "summary", "--vary", "thickness=0.005,0.008"]
+    thickness = "thickness of the cortex (mm)"
+    assert main([*swept, "--vary", "radius=0.03"]) == 0
+    assert main(["plot", "results/patch-sweep", "--colour", "growth"]) == 0
+    assert main(["plot", "results/patch-sweep", "--y", "area_growth", "--colour", "growth"]) == 0
+    assert drawn == [(thickness, "largest growth factor"), (thickness, AREA, "largest growth factor")]
+    words = said("results/patch-sweep", "--y", "thickness")
+    assert "no other parameter takes several values in the study; name what x shows (--x NAME)." in words
+
+    assert main([*swept, "--vary", "radius=0.02,0.03", "--out", "two"]) == 0
+    words = said("two/patch-sweep")
+    assert "thickness, radius take several values in the study; name what x shows (--x NAME)." in words
+    assert main(["plot", "two/patch-sweep", "--y", "radius"]) == 0
+    assert drawn[2][0] == thickness
+    assert drawn[2][1].startswith("radius")

@@ -147,10 +147,12 @@ def _add_studies(commands: Commands, common: argparse.ArgumentParser) -> None:
     plot = commands.add_parser(
         "plot", parents=[printed, common], help="a phase diagram of a study",
         description="Draw a measure of a study's points in colours over two of its columns, as cells where "
-        "the points are a grid; with --x alone, its percentiles along that column.",
+        "the points are a grid; without --y, its percentiles along x.",
     )  # fmt: skip
     plot.add_argument("study", type=Path, metavar="STUDY", help="folder of the study")
-    plot.add_argument("--x", required=True, metavar="NAME", help="a parameter that is varied, or a measure")
+    plot.add_argument(
+        "--x", metavar="NAME", help="a parameter that is varied, or a measure (the only one that is varied)"
+    )
     plot.add_argument("--y", metavar="NAME", help="another one")
     plot.add_argument("--colour", metavar="NAME", help="a measure, such as gyrification_index (folds)")
     plot.add_argument("--figure", type=figure, metavar="FILE", help="draw it there (STUDY/plot.png)")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +17,16 @@ MEASURES = ("folds", "gyrification_index", "sulcal_depth")  # of bands, where no
 FILE = "plot.png"
 
 
-def plot(base: Path, x: str, y: str | None, colour: str | None, figure: Path | None) -> Answer:
+def plot(base: Path, x: str | None, y: str | None, colour: str | None, figure: Path | None) -> Answer:
     """Draw a study: colour over x and y; with x alone, the percentiles of colour, or of three measures.
 
-    Raises ValueError for a folder without a study, for unknown columns, and where no point has a value.
+    x: None for the only parameter that takes several values, apart from y.
+    Raises ValueError for a folder without a study, for unknown columns, where no point has a value, and where
+    x is not told and several parameters could be meant.
     """
     study, ends = gathered(base)
     known = headings(study)
+    x = x or _only_varied(study, y)
     measures = (colour,) if colour else ("folds",) if y else MEASURES
     for name in (x, *([y] if y else []), *measures):
         if name not in known:
@@ -47,6 +50,17 @@ def plot(base: Path, x: str, y: str | None, colour: str | None, figure: Path | N
         picture.suptitle(f"{study['case']}: {_counted(ends)}", fontsize=10)
     say(f"figure: {file}")
     return Answer(0, {"case": study["case"], "figures": [str(file)]})
+
+
+def _only_varied(study: Mapping[str, Any], y: str | None) -> str:
+    points = [point["varied"] for point in study["points"]]
+    every: list[str] = list(study["columns"])
+    several = [name for name in every if len({point[name] for point in points}) > 1]
+    others = [name for name in several or every if name != y]
+    if len(others) != 1:
+        kinds = f"{', '.join(others)} take" if others else "no other parameter takes"
+        raise ValueError(f"{kinds} several values in the study; name what x shows (--x NAME).")
+    return others[0]
 
 
 def _value(name: str, varied: dict[str, Any], end: Outcome) -> Any:
