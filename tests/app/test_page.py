@@ -159,6 +159,22 @@ def test_a_case_that_is_left_before_its_scenes_are_known_leaves_nothing_behind(p
     expect(page.locator("#scene option")).to_have_text(["three hypotheses"])
 
 
+def test_while_the_scenes_of_a_case_load_that_of_the_case_before_is_neither_run_nor_linked(page):
+    waiting = []
+    page.route("**/api/cases/figure2/scenes", lambda route: waiting.append(route))
+    expect(page.locator("#run")).to_be_enabled()
+    page.select_option("#case", "figure2")
+    expect(page.locator("#scene option")).to_have_count(0)
+    expect(page.locator("#run")).to_be_disabled()
+    page.fill("#knob-thickness", "2.6")  # which writes the link
+    assert "case=figure2" in page.url
+    assert "whole" not in page.url
+    waiting.pop().continue_()
+    expect(page.locator("#run")).to_be_enabled()
+    page.fill("#knob-thickness", "2.7")
+    assert "scene=&" not in page.url
+
+
 @pytest.mark.parametrize("values", [[1.0, 1.0, 1.0003], [0.0, 0.0], [5.0, 5.0], [-2.0, -2.0, -2.0]])
 def test_numbers_that_hardly_change_have_ticks_that_can_be_told_apart(page, values):
     """Of an index next to 1, the ticks were 1, 1.0e+0, 1.0e+0, 1.0e+0."""

@@ -107,11 +107,14 @@ async function choose(name, scene, values = {}) {
   $("case").value = name;
   layOut();
   $("scene").replaceChildren(); // until they are known: some cases need files
+  page.scene = scene ?? ""; // no more that of the case before, in the link and in what is run
+  $("run").disabled = true;
   one.scenes = one.scenes ?? await table(`cases/${encodeURIComponent(name)}/scenes`);
   if (page.case !== one) return; // another one was chosen meanwhile
   $("scene").replaceChildren(...one.scenes.map(word => make("option", {value: word, textContent: word})));
   if (scene && page.case.scenes.includes(scene)) $("scene").value = scene;
   page.scene = $("scene").value;
+  $("run").disabled = false;
   keepLink();
   if (unknown) throw new Error(`${name} has no parameter ${unknown}; its own values are shown.`);
   if (scene && page.scene !== scene) throw new Error(`${name} has no scene ${scene}; ${page.scene} is shown.`);
