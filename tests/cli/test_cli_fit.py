@@ -159,3 +159,20 @@ def test_resume_goes_on_only_with_a_result_of_its_own(target, tmp_path, capsys):
     assert main(["fit", *other, "--resume"]) == 2
     said = " ".join(capsys.readouterr().err.split())
     assert "none of this fit: it was fitted by GrowthMap.cortex.0" in said
+
+
+def test_a_folder_that_cannot_take_the_result_is_refused_before_the_fit(target, tmp_path, capsys):
+    words = ["map.py", "--to", "GrowthMap.cortex.0", "--target", f"1={target}", "--unit", "mm"]
+    folder = tmp_path / "results/map-fit/only"
+    folder.mkdir(parents=True)
+    (folder / "notes.txt").write_text("mine")
+    for more in ([], ["--resume"], ["--overwrite"]):
+        assert main(["fit", *words, *more]) == 2
+        assert "only holds files that are no result" in " ".join(capsys.readouterr().err.split())
+        assert not (folder.parent / "fit.json").exists()
+    (folder / "notes.txt").unlink()
+    for name in ("scene.json", "body.npz"):  # of a run that was killed before its first state
+        shutil.copy(f"hidden/map/only/{name}", folder)
+    assert main(["fit", *words]) == 2
+    assert "already holds a fit" in capsys.readouterr().err
+    assert not (folder.parent / "fit.json").exists()

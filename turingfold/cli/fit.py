@@ -73,7 +73,8 @@ def fitted(request: Request, running: Running, asked: Asked) -> Answer:
     targets = {time: outline(file, asked.unit, case.known) for time, file in files.items()}
     base = base_folder(case, request)
     folder = base / folder_name(one.name)
-    if has_result(base, one.name) and not (running.resume or running.overwrite):
+    check_folder(folder, {}, resume=False, overwrite=True)  # before the fit, for foreign files
+    if (folder / "scene.json").exists() and not (running.resume or running.overwrite):
         raise ValueError(
             f"{base} already holds a fit; go on with it (--resume), replace it (--overwrite), or choose "
             "another folder (--out DIR)."
