@@ -1,0 +1,104 @@
+"""Directions where the tangent is not positive definite: what conjugate gradients make of it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from test_extreme import cleft_between_three_lobes
+from test_minimise import Surface, _Point, minimiser
+
+from turingfold.parts import Abrupt
+from turingfold.results.simulate import simulate
+from turingfold.solve.descent import MOST, STEEP, descent
+
+
+def matrix(values, seed=0):
+    """Return a symmetric matrix with these eigenvalues, and its eigenvectors in columns."""
+    vectors = np.linalg.qr(np.random.default_rng(seed).standard_normal(2 * (len(values),)))[0]
+    return vectors @ np.diag(values) @ vectors.T, vectors
+
+
+def test_a_positive_definite_tangent_gives_newtons_direction():
+    K, _ = matrix([1.0, 2.0, 5.0, 5.0, 9.0, 20.0])
+    force = np.random.default_rng(1).standard_normal(6)
+    found = descent(lambda r: r, lambda d: K @ d, force, residual=1e-20)
+    assert found.direction == pytest.approx(np.linalg.solve(K, force), rel=1e-8)
+    assert (found.iterations, found.curved) == (5, False)  # as many as there are different eigenvalues
+
+
+def test_a_good_preconditioner_needs_one_iteration():
+    K, _ = matrix(np.linspace(1.0, 1e3, 40))
+    force = np.ones(40)
+    found = descent(lambda r: np.linalg.solve(K, r), lambda d: K @ d, force, residual=1e-3)
+    assert found.direction == pytest.approx(np.linalg.solve(K, force))
+    assert found.iterations == 1
+
+
+def test_iterations_far_from_the_equilibrium_are_few_and_never_without_end():
+    K, _ = matrix(np.geomspace(1.0, 30.0, 200))
+    force = np.ones(200)
+    near, far = (descent(lambda r: r, lambda d: K @ d, force, residual=size) for size in (1e-12, 1.0))
+    assert far.iterations < near.iterations == MOST
+    assert force @ near.direction > 0 < force @ far.direction
+
+
+@pytest.mark.parametrize("curvature", [-2.0, -1e-6, 1e-6])
+def test_along_negative_or_no_curvature_the_step_has_a_length_and_goes_down(curvature):
+    """With the convex K̃, 1 in place of the lowest eigenvalue: the way to the saddle would be up."""
+    K, vectors = matrix([curvature, 1.0, 1.0, 1.0])
+    force = vectors @ np.array([0.3, 1.0, -1.0, 0.5])
+    found = descent(lambda r: r, lambda d: K @ d, force, residual=1e-12)
+    assert found.curved
+    assert force @ found.direction > 0
+    along = vectors.T @ found.direction
+    assert along[1:] == pytest.approx([1.0, -1.0, 0.5], abs=0.5)
+    assert 0 < along[0] <= 1.2 * 0.3 / STEEP
+
+
+@dataclass
+class Asked(Surface):
+    """A surface that notes the convexities it is asked for; one that is a wall's, or not."""
+
+    kind: type = _Point
+    asked: list = field(default_factory=list)
+
+    def evaluate(self, x):
+        return self.kind(self, x, self.energy(*x))
+
+
+class Solid(_Point):
+    """The surface at a point."""
+
+    def hessian(self, convexity):
+        self.surface.asked.append(convexity)
+        return super().hessian(convexity)
+
+
+class Wall(Solid, Abrupt):
+    """The surface of a wall at a point."""
+
+
+def test_walls_are_made_convex_before_the_solid_is():
+    """E = 2x² + 2y² of the solid and x⁴ - 3x² of the wall: a saddle at 0, minima at x = ±1/√2."""
+    solid = Asked(
+        lambda x, y: 2 * x * x + 2 * y * y, lambda x, y: (4 * x, 4 * y),
+        lambda x, y: ((4.0, 0.0), (0.0, 4.0)), kind=Solid,
+    )  # fmt: skip
+    wall = Asked(
+        lambda x, y: x**4 - 3 * x * x, lambda x, y: (4 * x**3 - 6 * x, 0.0),
+        lambda x, y: ((12 * x * x - 6, 0.0), (0.0, 0.0)), kind=Wall,
+    )  # fmt: skip
+    found = minimiser().minimise([solid, wall], np.array([0.05, 0.5]))
+    assert found.x == pytest.approx([np.sqrt(0.5), 0.0], abs=1e-9)
+    assert found.stable
+    assert set(wall.asked) == {0.0, 1.0}
+    assert set(solid.asked) == {0.0}
+
+
+def test_walls_that_slide_cost_no_second_factorisation():
+    """Three lobes pressed together: 304 factorisations for 248 iterations when each was tried anew."""
+    scene, _ = cleft_between_three_lobes(1.25)
+    result = simulate(scene)
+    told = result.summary()
+    assert told["min_gap"] > 0 == told["self_intersections"]
+    assert told["factorizations"] < told["newton_iterations"]
