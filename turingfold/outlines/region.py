@@ -128,11 +128,9 @@ def moved(points: Array, area: BaseGeometry, walls: BaseGeometry, near: float) -
 
     First of points farther than `near` from `walls`, then of the others; 0 where there are none.
     """
-    ends = [shapely.get_coordinates(ring) for ring in shapely.get_parts(area.boundary)]
-    segments = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in ends])
-    at = shapely.points(points.T)
-    tree = shapely.STRtree(shapely.linestrings(segments))
-    distance = tree.query_nearest(at, return_distance=True, all_matches=False)[1]
+    at, edge = shapely.points(points.T), area.boundary
+    shapely.prepare(edge)
+    distance = shapely.distance(edge, at)
     shapely.prepare(walls)
     beside = shapely.dwithin(walls, at, near)
     return float(distance[~beside].max(initial=0.0)), float(distance[beside].max(initial=0.0))

@@ -9,6 +9,7 @@ from ..checks import positive
 from ..geometry.body import Body
 from ..geometry.curve import Curve
 from ..geometry.paths import Path
+from ..geometry.quadratic import weights
 from ..state import State
 from .build import outline
 from .region import even_odd, rings
@@ -51,8 +52,6 @@ def remeshed(body: Body, state: State, *, size: float, inset: float) -> Body:
 
 def _sampled(curve: Curve, step: float) -> Array:
     """Return points about a step apart on a closed curve, (2, n)."""
-    start, middle, end = curve.segments
-    count = int(np.ceil(curve.length / step / start.shape[1]))
-    xi = np.linspace(-1.0, 1.0, count, endpoint=False)
-    shapes = np.stack([0.5 * xi * (xi - 1), 1 - xi**2, 0.5 * xi * (xi + 1)])
-    return np.asarray(np.einsum("kim,kx->imx", np.stack([start, middle, end]), shapes).reshape(2, -1))
+    count = int(np.ceil(curve.length / step / curve.segments.shape[2]))
+    shapes = weights(np.linspace(0.0, 1.0, count, endpoint=False))
+    return np.asarray(np.einsum("kim,kx->imx", curve.segments, shapes).reshape(2, -1))

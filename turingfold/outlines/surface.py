@@ -14,6 +14,7 @@ from shapely import Polygon
 
 from ..arrays import Array, Integers
 from ..checks import file_path, finite, finite_array, one_of
+from ..geometry.paths import chains
 from ..geometry.units import metres
 from .image import DAMAGE, PLANES, nibabel_for
 from .section import Section
@@ -128,7 +129,7 @@ def _cut(
             "at most; repair the surface."
         )
     loops = []
-    for chain, closed in _chains(links, len(ends)):
+    for chain, closed in chains(links.T, source):
         loop = places[:, chain]
         apart = np.hypot(*(loop - np.roll(loop, 1, axis=1))) > 1e-12 * np.abs(places).max()
         loop = loop[:, apart]
@@ -148,27 +149,3 @@ def _in_thirds(loop: Array) -> Array:
     """
     step = (np.roll(loop, -1, axis=1) - loop) / 3
     return np.stack([loop, loop + step, loop + 2 * step], axis=2).reshape(2, -1)
-
-
-def _chains(links: Integers, count: int) -> list[tuple[list[int], bool]]:
-    """Return rows of points in the order in which links (m, 2) join them, and whether each is closed.
-
-    At most two links end at each of the `count` points.
-    """
-    neighbours: list[list[int]] = [[] for _ in range(count)]
-    for a, b in links.tolist():
-        neighbours[a].append(b)
-        neighbours[b].append(a)
-    left = set(range(count))
-    chains = []
-    for start in [k for k in range(count) if len(neighbours[k]) == 1] + list(range(count)):
-        if start not in left:
-            continue
-        chain, here = [start], start
-        left.remove(start)
-        while following := [k for k in neighbours[here] if k in left]:
-            here = following[0]
-            left.remove(here)
-            chain.append(here)
-        chains.append((chain, len(neighbours[start]) == 2))
-    return chains
