@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from small import elastic_scene
 
-from turingfold import Body, TangentialGrowth, half, semicircle, simulate
-from turingfold.results.measures import area_numbers, fold_numbers
+from turingfold import Body, TangentialGrowth, half, outline, semicircle, simulate
+from turingfold.results.measures import area_numbers, fold_numbers, shape_numbers
 from turingfold.results.units import parameter_unit
 from turingfold.state import State
 
@@ -106,3 +106,17 @@ def test_a_free_body_that_grows_evenly_in_all_directions_grows_by_the_square():
 def test_a_reaction_rate_has_no_unit_though_it_is_called_as_a_modulus():
     assert parameter_unit("Elastic.gray.kappa") == "Pa"
     assert parameter_unit("Turing.kinetics.kappa") == ""
+
+
+def test_islands_smaller_than_their_cortex_hold_no_folds():
+    """As the plane leaves of the tips of gyri: a whole section used to end without a summary."""
+    angle = 2 * np.pi * np.arange(120) / 120
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    waves = (1 + 0.1 * np.cos(6 * angle)) * circle
+    island = 0.045 * circle + np.array([[1.3], [0.0]])
+    alone, both = (outline(loops, thickness=0.1, size=0.05) for loops in ([waves], [waves, island]))
+    assert len(both.pial_paths) == 2
+    numbers = [fold_numbers(body, State(0.0, {"displacement": 0 * body.nodes})) for body in (alone, both)]
+    assert numbers[0]["folds"] == numbers[1]["folds"] == 6
+    assert numbers[1]["sulcal_depth"] == pytest.approx(numbers[0]["sulcal_depth"], rel=1e-3)
+    assert shape_numbers(both, 0 * both.nodes)["sulcal_depth"] == numbers[1]["sulcal_depth"]

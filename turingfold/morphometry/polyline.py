@@ -146,9 +146,17 @@ class Polyline:
         directions = np.sum(np.diff(np.sort(angles)) > DIRECTION) + 1
         return np.sqrt(2) * self.spacing if directions <= 9 else 0.0  # -pi and pi are one
 
+    @property
+    def _thickest(self) -> float:
+        return float("inf") if self.inner else THICKEST * self.radius
+
+    def may_fold(self, thickness: float) -> bool:
+        """Return whether the body is large enough for folds of a cortex so thick, m."""
+        return thickness <= self._thickest
+
     def checked_thickness(self, thickness: Any) -> float:
         """Return a cortical thickness, m, as a float; ValueError if it is not in the unit of the points."""
-        low, high = THINNEST * self.radius, np.inf if self.inner else THICKEST * self.radius
+        low, high = THINNEST * self.radius, self._thickest
         unit = f"the body has a radius of {self.radius:.4g}: give both in one unit, such as m"
         return between("thickness", thickness, low, high, unit)
 

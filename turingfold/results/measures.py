@@ -156,7 +156,8 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
     from ..morphometry.folds import find_folds
 
     parts = _parts(body, state["displacement"])
-    folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in _surfaces(parts)]
+    surfaces = _folding(_surfaces(parts), body.thickness)
+    folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in surfaces]
     return {
         "inverted_elements": inverted(body, state),
         "self_intersections": crossings(body, state["displacement"]),
@@ -184,7 +185,7 @@ def shape_numbers(body: Body, displacement: Array) -> dict[str, float]:
         whole = along_pial(body, parts[0][0])
         surfaces = parts = [(whole, pial_closed(body))]
     else:
-        surfaces = _surfaces(parts)
+        surfaces = _folding(_surfaces(parts), body.thickness)
     folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in surfaces]
     return {
         "perimeter": sum(perimeter(pial, closed=closed) for pial, closed in parts),
@@ -232,6 +233,17 @@ def _surfaces(parts: list[tuple[Array, bool]]) -> list[tuple[Array, bool]]:
 
     outer = [(pial, closed) for pial, closed in parts if not closed or enclosed_area(pial) > 0]
     return outer or [(pial.view(InnerWall), closed) for pial, closed in parts]
+
+
+def _folding(surfaces: list[tuple[Array, bool]], thickness: float) -> list[tuple[Array, bool]]:
+    """Return the surfaces that a cortex so thick may fold; where none is as large, all.
+
+    Islands of a section, which the plane cuts off the tip of a gyrus, may be smaller than their cortex.
+    """
+    from ..morphometry.polyline import as_polyline
+
+    large = [(pial, closed) for pial, closed in surfaces if as_polyline(pial, closed).may_fold(thickness)]
+    return large or surfaces
 
 
 def gyrification(body: Body, displacement: Array) -> float:
