@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Array, Integers
+from .arrays import Array, Places
 from .geometry.body import Body
 from .state import State
 
@@ -98,8 +98,8 @@ class Process(Part):
 class Entries:
     """Places of matrix entries in the lower triangle; repeated places add up; both of one shape."""
 
-    rows: Integers
-    columns: Integers
+    rows: Places
+    columns: Places
 
 
 @dataclass(frozen=True)

@@ -86,8 +86,9 @@ class Indefinite:
 
 def symmetric(sparsity: Sparsity, values: Array) -> csc_matrix:
     """Return the whole matrix whose lower triangle is given."""
-    below = sparsity.rows != sparsity.columns
-    rows = np.concatenate([sparsity.rows, sparsity.columns[below]])
-    columns = np.concatenate([sparsity.columns, sparsity.rows[below]])
+    row, column = sparsity.rows, sparsity.columns
+    below = row != column
+    rows = np.concatenate([row, column[below]])
+    columns = np.concatenate([column, row[below]])
     entries = np.concatenate([values, values[below]])
     return csc_matrix((entries, (rows, columns)), shape=(sparsity.n, sparsity.n))

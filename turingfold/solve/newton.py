@@ -218,6 +218,7 @@ class Minimiser:
         hessians = at.hessians(convexity, abrupt)
         constant = len(hessians) if all(h.constant for h in hessians) else 0
         sparsity, values = self.assembler.assemble(hessians)
+        del hessians  # four times as large as their sum
         begin = self.effort.add("tangents", begin)
         if sparsity is not self._solver_sparsity:
             self._solver, self._solver_sparsity = solver_for(sparsity, self._kind), sparsity

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from scipy.sparse import csc_matrix
 
-from ..arrays import Array, Integers, add_up
+from ..arrays import Array, Integers, Places, add_up
 from ..parts import Entries, Hessian
 
 
@@ -21,14 +21,14 @@ class Sparsity:
     n: int
     keys: Integers
 
-    @cached_property
+    @property
     def columns(self) -> Integers:
-        """Column of each entry."""
+        """Column of each entry; not kept, as it is as large as the values."""
         return self.keys // self.n
 
-    @cached_property
+    @property
     def rows(self) -> Integers:
-        """Row of each entry."""
+        """Row of each entry; not kept."""
         return self.keys % self.n
 
     @cached_property
@@ -107,9 +107,9 @@ class Assembler:
         key[(row < 0) | (column < 0)] = -1
         return key
 
-    def _places_of(self, hessians: list[Hessian], sparsity: Sparsity) -> list[Integers] | None:
+    def _places_of(self, hessians: list[Hessian], sparsity: Sparsity) -> list[Places] | None:
         """Return where the entries of each Hessian go, or None if the sparsity lacks a place."""
-        found = []
+        found: list[Places] = []
         for hessian in hessians:
             known = self._constant.get(hessian.entries)
             if known is not None:
@@ -121,13 +121,14 @@ class Assembler:
                 return None
             if hessian.constant:
                 different, number = np.unique(keys, return_inverse=True)
-                self._constant[hessian.entries] = _Sorted(different, number, places)
+                self._constant[hessian.entries] = _Sorted(different, _short(number), _short(places))
             found.append(places)
         return found
 
     def _extended(self, hessians: list[Hessian]) -> Sparsity:
         """Return a sparsity with a place for every entry, also of constant ones seen before."""
-        changing, new = [], []
+        changing: list[Integers] = []
+        new: list[tuple[Entries, Integers, Places]] = []
         for hessian in hessians:
             if hessian.entries in self._constant:
                 continue
@@ -146,7 +147,7 @@ class Assembler:
         for entries, keys, number in new:
             places = sparsity.places(keys)
             assert places is not None
-            self._constant[entries] = _Sorted(keys, number, places[number])
+            self._constant[entries] = _Sorted(keys, _short(number), _short(places[number]))
         return sparsity
 
 
@@ -155,8 +156,13 @@ class _Sorted:
     """Constant entries: the different keys, the number of each entry's key among them, and its place."""
 
     keys: Integers
-    number: Integers
-    places: Integers
+    number: Places
+    places: Places
+
+
+def _short(numbers: Places) -> Places:
+    """Return numbers of entries in half the space, where they are not too many."""
+    return numbers.astype(np.int32) if numbers.max(initial=0) < 2**31 else numbers
 
 
 def _unique(keys: list[Integers]) -> Integers:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array, Places
 
 LOW, HIGH = np.tril_indices(6)[::-1]  # the 21 pairs of nodes of a quadratic triangle
 
@@ -16,12 +16,12 @@ def gradient_products(gradients: Array) -> Array:
     return np.stack(parts, axis=1).reshape(len(LOW), -1)
 
 
-def pairs(triangles: Integers) -> tuple[Integers, Integers]:
+def pairs(triangles: Places) -> tuple[Places, Places]:
     """Return the degrees of freedom of both nodes of each pair, first along x, then along y; each (42, e)."""
     one, other = 2 * triangles[LOW], 2 * triangles[HIGH]
     return np.concatenate([one, one + 1]), np.concatenate([other, other + 1])
 
 
-def lower(one: Integers, other: Integers) -> tuple[Integers, Integers]:
+def lower(one: Places, other: Places) -> tuple[Places, Places]:
     """Return rows and columns in the lower triangle."""
     return np.maximum(one, other), np.minimum(one, other)

@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Array, Integers, add_up
+from ...arrays import Array, Places, add_up
 from ...geometry.body import Body
 from ...geometry.triangles import folded_over
 from ...parts import Entries, Evaluation, Fields, Hessian, Operator, Potential, TimeStep
@@ -55,11 +55,12 @@ class ElasticOperator(Operator):
         centred = body.nodes - body.nodes.mean(axis=1, keepdims=True)  # round-off of a body far away
         self._undeformed = self.gradient(centred.T)
 
-    def _places(self) -> tuple[Integers, Integers]:
+    def _places(self) -> tuple[Places, Places]:
         """Return where the 78 different entries of each element matrix go, each (78, e)."""
-        one, other = pairs(self.body.triangles)
+        triangles = self.body.triangles.astype(np.int32)  # kept with the operator, in half the space
+        one, other = pairs(triangles)
         first, second = np.divmod(np.arange(36), 6)
-        x = 2 * self.body.triangles
+        x = 2 * triangles
         return lower(np.concatenate([one, x[first]]), np.concatenate([other, x[second] + 1]))
 
     def gradient(self, values: Array) -> Array:
