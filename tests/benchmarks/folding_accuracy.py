@@ -20,10 +20,10 @@ against 90 steps. Times of runs shorter than 2 s: medians of three.
 What grows to twice its length along the surface is resolved evenly by elements half as long; chosen after
 seeing this. Against 12 across, 18 along and a core of 0.05, which take seven times as long (energy
 0.200149 J/m, index 1.45413, depth 1.8535 T), the default is off by 6.1e-3, 7.0e-3 and 9.4e-4, 6, 6 with the
-former core of 0.2 by 1.9e-2, 1.2e-2 and 1.1e-2. --accuracy takes 2 elements for 10 % and for 3 %, which leave
-1.2 %, and 2.9 for 2 %, which leave 0.6 %; for 1 % it stops at 4.1, where the state is too sharply creased for
-its estimate. Steps choose between neighbouring equilibria: 15 and 20 end in the same one, the others up to
-3e-4 of the energy and 0.08 T away.
+former core of 0.2 by 1.9e-2, 1.2e-2 and 1.1e-2.
+Measured, and drawn, before the core became finer with the cortex; what --accuracy chooses since is in
+accuracy_cost.py. Steps choose between neighbouring equilibria: 15 and 20 end in the same one, the others up
+to 3e-4 of the energy and 0.08 T away.
 """
 
 from contextlib import redirect_stdout
