@@ -166,7 +166,7 @@ class Minimiser:
     ) -> tuple[Array, Descent | None]:
         """Return Newton's direction, (2 n_nodes,), and how it was found if convexity was added."""
         begin, descended = perf_counter(), None
-        if self._convexity:
+        if self._convexity and not at.is_condensed:  # the merit of those takes the curvature of their tangent
             sparsity, values = self.assembler.assemble(at.hessians(0.0))
             begin = self.effort.add("tangents", begin)
             times = sparsity.product(values)
