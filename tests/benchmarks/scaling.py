@@ -18,7 +18,7 @@ from common import brain, growth_path, spread
 
 from turingfold import simulate
 
-COARSE, FINE, LARGE = 5, 11, 19.49  # elements through the cortex: 16 000, 64 000 and 178 000 unknowns
+COARSE, FINE, LARGE = 4.6, 10, 17.4  # elements through the cortex: 16 000, 64 000 and 181 000 unknowns
 
 
 def run(elements: float) -> tuple[int, float]:
