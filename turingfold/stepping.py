@@ -17,8 +17,8 @@ EULER, MIDPOINT = "euler", "midpoint"
 class Stepping:
     """How the march chooses its steps, in units of the scene's time.
 
-    first, largest, smallest: step sizes as fractions of `until`. After a step that took at most a quarter of
-    the allowed iterations the next is 1.3 times longer, after one that took more than half 1.3 times shorter;
+    first, largest, smallest: step sizes as fractions of `until`. After a step that took at most two fifths of
+    the allowed iterations the next is 1.3 times longer, after more than three fifths 1.3 times shorter;
     one that fails is halved and starts again from the untouched state.
     tolerance: residual at which an equilibrium counts, relative to the forces that balance in it; at most
     LOOSEST.

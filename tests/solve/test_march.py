@@ -110,12 +110,12 @@ def test_steps_grow_by_1_3_up_to_the_largest_and_end_on_time(body):
 
 def test_a_laborious_step_is_followed_by_a_shorter_one(body):
     grow = TangentialGrowth(cortex=1.3)
-    steps = run(scene(body, processes=(grow,), first=0.1, largest=0.1, iterations=5))
+    steps = run(scene(body, processes=(grow,), first=0.1, largest=0.1, iterations=4))
     sizes = [step.numbers["step"] for step, _ in steps]
     efforts = [step.numbers["newton_iterations"] for step, _ in steps]
-    assert {3, 2} & set(efforts)
+    assert 3 in efforts
     for size, after, effort in zip(sizes[:-2], sizes[1:], efforts, strict=False):
-        factor = 1.3 if effort <= 1.25 else 1.0 if effort <= 2.5 else 1 / 1.3
+        factor = 1.3 if effort <= 1.6 else 1.0 if effort <= 2.4 else 1 / 1.3
         assert after == pytest.approx(min(factor * size, 0.1), rel=1e-12)
 
 

@@ -30,7 +30,7 @@ from .problem import Configuration, Problem, configuration
 from .step_control import longest_next
 
 LONGER = 1.3  # the next step after an easy one
-EASY, HARD = 0.25, 0.5  # shares of the allowed iterations
+EASY, HARD = 0.4, 0.6  # shares of the allowed iterations
 USUAL, SNAPS, DAMPED = "usual", "snaps", "damped"  # ways to take a step
 PATIENCE = 3  # halvings after failures, or by which a step is below the usual, before the body snaps
 REFINEMENTS = 3  # how often a step is taken again with finer potentials
