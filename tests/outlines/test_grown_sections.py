@@ -89,8 +89,8 @@ def least_determinant(body, displacement):
 
 GROWN = {  # makers, and iterations allowed: half as many again as were found, since rounding moves them
     "hemisphere": (hemisphere, 500),
-    "whole": (whole, 1100),
-    "labels": (labels, 1100),
+    "whole": (whole, 800),
+    "labels": (labels, 800),
     "ferret, ventricles free": (lambda: ventricles("free"), 180),
     "ferret, ventricles clamped": (lambda: ventricles("clamped"), 150),
     "ferret, midline on rollers": (one_side_on_the_midline, 45),
