@@ -4,35 +4,31 @@
 
 Left: a disc whose cortex (T/R = 0.1, sharp, kappa = 5 mu) grows by 20 %, and the growth at which it buckles,
 both against a spectral solution in the radius. Middle: half of Figure 3 with as many elements along the
-cortex as across it, with twice as many along it, as by default, and with what --accuracy chooses, in all its
-runs, against 12 across and along and a finer core. Right: tension in patches at 3 elements with equal steps,
+cortex as across it, and with twice as many along it, as by default, against 12 across and along and a finer
+core; accuracy_cost.py has what --accuracy chooses. Right: tension in patches at 3 elements with equal steps,
 against 90 steps. Times of runs shorter than 2 s: medians of three.
 
     elements across, along   growth    onset     Figure 3: energy   gyrification   sulcal depth
-    2, 2                     8.0e-5    2.6e-3    2.8e-2             4.3e-2         6.4e-2
-    4, 4                     1.1e-5    2.9e-4    1.4e-2             1.8e-2         2.3e-2
-    6, 6                     3.5e-6    1.2e-4    5.0e-3             1.1e-2         9.6e-3
-    8, 8                     1.5e-6    8.4e-5    6.6e-3             8.0e-3         8.2e-3
-    2, 4                                         1.2e-2             1.1e-2         1.0e-2
-    3, 6, the default                            5.5e-3             5.4e-3         5.9e-4
-    4, 8                                         8.2e-3             3.4e-3         2.0e-3
+    2, 2                     8.0e-5    2.6e-3    2.9e-2             4.3e-2         6.2e-2
+    4, 4                     1.1e-5    2.6e-4    1.0e-2             1.7e-2         2.3e-2
+    6, 6                     3.5e-6    7e-5      3.1e-3             1.0e-2         9.0e-3
+    8, 8                     1.5e-6    3e-5      1.5e-3             6.6e-3         4.6e-3
+    2, 4                                         1.3e-2             1.1e-2         9.8e-3
+    3, 6, the default                            6.1e-3             5.0e-3         1.3e-3
+    4, 8                                         4.4e-3             3.0e-3         2.7e-3
 
-What grows to twice its length along the surface is resolved evenly by elements half as long; chosen after
+Onsets from 4 on are read from the figure. What grows to twice its length along the surface is resolved evenly
+by elements half as long; chosen after
 seeing this. Against 12 across, 18 along and a core of 0.05, which take seven times as long (energy
 0.200149 J/m, index 1.45413, depth 1.8535 T), the default is off by 6.1e-3, 7.0e-3 and 9.4e-4, 6, 6 with the
 former core of 0.2 by 1.9e-2, 1.2e-2 and 1.1e-2.
-Measured, and drawn, before the core became finer with the cortex; what --accuracy chooses since is in
-accuracy_cost.py. Steps choose between neighbouring equilibria: 15 and 20 end in the same one, the others up
+Steps choose between neighbouring equilibria: 15 and 20 end in the same one, the others up
 to 3e-4 of the energy and 0.08 T away.
 """
 
-from contextlib import redirect_stdout
 from dataclasses import replace
 from importlib.util import find_spec
-from io import StringIO
-from pathlib import Path
 from statistics import median
-from tempfile import TemporaryDirectory
 from time import process_time
 
 import numpy as np
@@ -51,19 +47,15 @@ from turingfold import (
     TangentialGrowth,
     buckling,
     half,
-    load,
     semicircle,
 )
-from turingfold.cli.case import folder_name, load_case
-from turingfold.cli.precision import run_to
-from turingfold.cli.request import Request, Running
+from turingfold.cli.case import load_case
 
 DISC, GROWTH, ONSET = 0.1, 1.2, 2.0  # T/R; growth of the smooth disc and of the one that buckles
 MU, KAPPA = 1.0, 5.0
 THICKNESS, RADIUS = 2.5e-3, 0.0404  # of the brain, m
 ACROSS, EVEN, SLENDER, FINEST = (1, 2, 3, 4, 6, 8), (2, 3, 4, 6, 8), (2, 3, 4), 12
 ALONG, DEFAULT = 2, 3  # times as many elements along the cortex as across it, in slender ones; Figure 3's own
-ASKED = (0.1, 0.03, 0.02)  # of --accuracy
 STEPS, MOST = (5, 10, 15, 20, 30, 45), 90
 SHORT = 2.0  # s
 
@@ -92,16 +84,6 @@ def figure3(across, along=1, **mesh):
         body = half(semicircle(radius=RADIUS, thickness=THICKNESS, elements=across, **mesh))
         scene = replace(scene, body=body)
     return scene
-
-
-def by_accuracy(share, quick):
-    """Return the time, the elements and the result of turingfold run figure3 --accuracy."""
-    began = process_time()
-    with TemporaryDirectory() as out, redirect_stdout(StringIO()):
-        request = Request(str(CASES / "figure3.py"), quick=quick, out=Path(out), assigned=(("halved", "on"),))
-        facts = run_to(share, request, Running(vtu=False)).facts["accuracy"]
-        result = load(Path(out) / "figure3" / folder_name("three hypotheses"))
-    return process_time() - began, facts["elements"], result
 
 
 def scenes(quick=False):
@@ -269,21 +251,6 @@ def draw_folded(axes, runs, slender):
     for n, time, error in zip(slender, times, worst, strict=True):
         words = f"{n}, the default" if n == DEFAULT else str(n)
         axes.annotate(words, (time, error), xytext=(4, -10), textcoords="offset points", fontsize=8)
-    asked = {}
-    for share in (0.2,) if finest < FINEST else ASKED:
-        time, elements, result = by_accuracy(share, quick=finest < FINEST)
-        print(
-            f"--accuracy {100 * share:g} %: {elements:g} across, {time:.3g} s   {errors_of(result).max():.1e}"
-        )
-        asked.setdefault(elements, []).append((f"{100 * share:g} %", time, errors_of(result).max()))
-    for elements, found in asked.items():
-        shares, stars, (worst, *_) = zip(*found, strict=True)
-        label = "the worst, by --accuracy" if elements == min(asked) else None
-        axes.loglog([median(stars)], [worst], "k*", markersize=11, label=label)
-        axes.annotate(
-            f"{' or '.join(shares)}: {elements:g}", (median(stars), worst), xytext=(0, -16),
-            textcoords="offset points", fontsize=8, ha="center",
-        )  # fmt: skip
     folds = sorted({run.summary()["folds"] for run in runs.values()})
     words = f"energy {exact[0]:.4g} J/m, index {exact[1]:.3f}, depth {exact[2]:.3f} T"
     title = f"half of Figure 3, {' or '.join(map(str, folds))} sulci; {finest} elements:"
