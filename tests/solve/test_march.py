@@ -432,6 +432,21 @@ class Inside(Evaluation):
         return 1.0 if np.abs(self.x + direction).max() <= self.limit else 0.5
 
 
+class Border(Fence):
+    """No energy, but nothing that has moved farther than `limit` is a body."""
+
+    def evaluate(self, x):
+        return Across(self.limit, x)
+
+
+class Across(Inside):
+    def largest_step(self, direction):
+        return 1.0
+
+    def is_valid(self):
+        return np.abs(self.x).max() <= self.limit
+
+
 NONE = np.zeros(0, dtype=np.int64)
 
 
@@ -610,6 +625,28 @@ def attempts(monkeypatch, refused=lambda time: False):
     monkeypatch.setattr(Minimiser, "minimise", hindered)
     monkeypatch.setattr(Creep, "to_minimum", snapping)
     return tried
+
+
+@pytest.mark.parametrize(
+    ("smallest", "sizes"),
+    [(1e-6, [0.2, 0.1, 0.05, 0.025, 0.0125]), (0.025, [0.2, 0.1, 0.05, 0.025, 0.025]), (0.2, [0.2, 0.2])],
+)
+def test_an_end_that_is_no_body_is_refused_before_it_is_taken(body, monkeypatch, smallest, sizes):
+    """However short the steps may be, the march does not stop for it: the result tells of it."""
+    tried = attempts(monkeypatch)
+    growing = (TangentialGrowth(cortex=1.3),)
+    steps = run(scene(body, Border(1e-9), processes=growing, first=0.2, largest=0.2, smallest=smallest))
+    assert [one.dt for one in tried if one.time == 0] == pytest.approx(sizes)
+    assert len(tried) == len(steps) + len(sizes) - 1  # from what is no body, steps go on as ever
+    assert steps[-1][0].state.time == pytest.approx(1.0)
+
+
+def test_a_shorter_step_to_what_is_a_body_is_taken(body, monkeypatch):
+    growing = (TangentialGrowth(cortex=1.3),)
+    free = run(scene(body, processes=growing, first=0.2, largest=0.2))[0][0]
+    limit = 0.75 * np.abs(free.state["displacement"]).max()
+    step, _ = next(iter(run(scene(body, Border(limit), processes=growing, first=0.2, largest=0.2))))
+    assert step.numbers["step"] == pytest.approx(0.1)
 
 
 def test_after_a_snap_steps_are_as_long_as_before_it(body, monkeypatch):

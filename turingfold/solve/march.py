@@ -111,7 +111,7 @@ def march(
     problem = problem or Problem(scene)
     minimiser = _minimiser(problem, progress)
     minimiser.effort.add("setting up", started)
-    failures, overshot = 0, False  # of the present step; whether the last one went too far past its middle
+    failures, overshot = 0, False  # of the present step; whether the last one came to a bad end
     while progress.state.time < until * (1 - 1e-12):
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
@@ -134,7 +134,8 @@ def march(
             failures += 1
             overshot = isinstance(error, InadmissibleStateError)
             if not minimiser.out_of_time and dt / 2 < stepping.smallest * until:
-                if failures <= PATIENCE:  # too few halvings: the body may still snap within this step
+                # too few halvings: the body may still snap within this step, or end as what is no body
+                if failures <= PATIENCE or (strict and overshot):
                     failures = PATIENCE + 1
                     minimiser.forget()
                     continue
