@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import pytest
 
@@ -141,6 +143,59 @@ def test_a_search_that_is_refused_half_way_keeps_the_best_run(case, capsys):
     assert main(["run", "tiny.py", "--accuracy", "0.005%"]) == 2
     assert "which motions (Drag) have none of" in " ".join(capsys.readouterr().err.split())
     assert load("results/tiny/only").converged
+
+
+KILLED = """
+import os, sys
+from turingfold.cli import precision
+from turingfold.cli.main import main
+
+find, begun = precision.outcomes, []
+
+
+def outcomes(*given):
+    begun.append(given)
+    ends = find(*given)
+    if len(begun) == 2:
+        os.makedirs("results/tiny/only/states")  # what a run writes first
+        open("results/tiny/only/scene.json", "w").write("{}")
+        os._exit(9)
+    return ends
+
+
+precision.outcomes = outcomes
+main(["run", "tiny.py", "--accuracy", "0.005%"])
+"""
+
+
+@pytest.fixture
+def killed(case):
+    """Return the folder of the case after a search that was killed in its second run."""
+    assert subprocess.run([sys.executable, "-c", KILLED], check=False, cwd=case.parent).returncode == 9
+    folder = case.parent / "results/tiny"
+    assert sorted(path.name for path in folder.iterdir()) == [".best", "only"]
+    return folder
+
+
+def test_the_best_run_of_a_search_that_was_killed_is_moved_back(killed, capsys):
+    best = (killed / ".best/only/summary.json").read_text()
+    assert main(["run", "tiny.py", "--accuracy", "0.005%"]) == 2
+    out, err = capsys.readouterr()
+    assert "the best run of a search that was killed is moved back" in " ".join(out.split())
+    assert "already holds" in " ".join(err.split())
+    assert [path.name for path in killed.iterdir()] == ["only"]
+    assert (killed / "only/summary.json").read_text() == best
+    assert load("results/tiny/only").converged
+
+
+@pytest.mark.parametrize("words", [(), ("--overwrite",)])
+def test_the_best_run_of_a_search_that_was_killed_replaces_no_other_result(killed, capsys, words):
+    assert main(["run", "tiny.py", "--overwrite"]) == 0  # a run that was taken since
+    before = {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
+    assert main(["run", "tiny.py", "--accuracy", "0.005%", *words]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "holds the best run of a search that was killed or still runs" in said
+    assert before == {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
 
 
 LIMIT = {"energy": 0.200149, "perimeter": 0.230963, "gyrification_index": 1.45413, "sulcal_depth": 4.63385e-3}

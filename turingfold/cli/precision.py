@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..results.files import read_json, writing
+from ..results.reading import Ending, read_ending
 from .case import Case, find_case, folder_name
 from .outcome import Outcome
 from .plan import Planned, base_folder, given_values, planned
@@ -36,12 +37,14 @@ def run_to(accuracy: float, request: Request, running: Running) -> Answer:
 
     The numbers are energy, pial length, gyrification index and sulcal depth. Exit status 3 where the
     estimates do not say that it was reached; what is kept is then the run with the smallest errors.
-    Raises ValueError where no run has an estimate.
+    Raises ValueError where no run has an estimate, and where a search that was killed left its best run
+    beside another result.
     """
     case = find_case(request.case)
     _check(case, request, running)
     own = case.provenance(given_values(case, request)[0], quick=request.quick)["parameters"][ELEMENTS]
     search = _Search(case, request, running)
+    _move_back(search.base)
     size: Size | None = Size(_allowed(case, max(FEWEST, FIRST * own)))
     try:
         while size is not None:
@@ -102,9 +105,10 @@ class _Search:
         try:
             yield
         finally:
-            if count and (len(self.trials) == count or self.trials[-1] is not best(self.trials)):
-                _move(aside, self.base, plan)
-            shutil.rmtree(aside, ignore_errors=True)
+            if count:
+                if len(self.trials) == count or self.trials[-1] is not best(self.trials):
+                    _move(aside, self.base, plan)
+                shutil.rmtree(aside, ignore_errors=True)
 
     def next(self, accuracy: float) -> Size | None:
         """Return the size of the next run; None where the accuracy is reached, or there is none to try."""
@@ -179,6 +183,29 @@ def _move(source: Path, target: Path, plan: Sequence[Planned]) -> None:
                 shutil.rmtree(target / name)
             if (source / name).exists():
                 (source / name).rename(target / name)
+
+
+def _move_back(base: Path) -> None:
+    """Move the best run of a search that was killed back, in place of the one that it was killed in.
+
+    Raises ValueError, and moves nothing, where that would replace any other result, or one being written.
+    """
+    aside = base / ASIDE
+    names = sorted(found.name for found in aside.iterdir() if found.is_dir()) if aside.is_dir() else []
+    kept = [name for name in names if (base / name).exists() and read_ending(base / name) != Ending()]
+    if kept:
+        raise ValueError(
+            f"{aside} holds the best run of a search that was killed or still runs, and {base} has another "
+            f"result of {', '.join(kept)}; wait for that search, or keep one of them: delete {aside}, or put "
+            f"its folders in place of those in {base}."
+        )
+    for name in names:
+        with writing(base):
+            shutil.rmtree(base / name, ignore_errors=True)
+            (aside / name).rename(base / name)
+    if names:
+        say(f"{base}: the best run of a search that was killed is moved back from {ASIDE}")
+        shutil.rmtree(aside, ignore_errors=True)
 
 
 def _judged(
