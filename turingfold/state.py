@@ -24,6 +24,7 @@ class State:
     fields: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "time", float(self.time))  # numpy's write themselves as np.float64(0.25)
         object.__setattr__(self, "fields", MappingProxyType(dict(self.fields)))
         for values in self.fields.values():
             if isinstance(values, np.ndarray):

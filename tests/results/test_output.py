@@ -304,6 +304,18 @@ def finished(tmp_path_factory):
     return folder, simulate(elastic_scene(), folder, frames=3)
 
 
+def test_steps_given_as_numpy_numbers_leave_the_same_files(tmp_path):
+    for name, kind in (("plain", float), ("numpy", np.float64)):
+        stepping = Stepping(first=kind(0.5), largest=kind(0.5))
+        simulate(elastic_scene(stepping=stepping, until=kind(1.0)), out=tmp_path / name, vtu=True)
+    plain, other = tmp_path / "plain", tmp_path / "numpy"
+    assert entries((other / "frames.pvd").read_bytes())[1][0] == 0.5
+    for file in (plain / "frames.pvd", *plain.glob("frames/*.vtu")):
+        assert (other / file.relative_to(plain)).read_bytes() == file.read_bytes(), file.name
+    assert [state.time for state in load(other).states] == [0.0, 0.5, 1.0]
+    assert [row["step"] for row in load(other).history] == [0.5, 0.5]
+
+
 def test_a_stored_result_comes_back(finished):
     folder, result = finished
     found = load(folder)

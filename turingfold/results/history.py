@@ -116,7 +116,7 @@ def lines(rows: Iterable[Row], columns: Sequence[str]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     for row in rows:
         values = (row.get(name, np.nan) for name in columns)
-        writer.writerow(["" if np.isnan(value) else repr(value) for value in values])
+        writer.writerow(["" if np.isnan(value) else repr(np.asarray(value).item()) for value in values])
     return text.getvalue()
 
 
