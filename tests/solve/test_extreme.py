@@ -202,12 +202,17 @@ def test_millimetres_give_the_states_of_metres(in_two_units):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=False, reason="steps at t = 0.8, 0.9 took 14, 18 iterations in m, 13, 15 in mm")
-def test_millimetres_take_as_many_iterations_and_factorisations_as_metres(in_two_units):
-    """Decimal units round differently, and where walls slide the way down follows rounding."""
-    for one, other in zip(*in_two_units, strict=True):
-        assert one.numbers["newton_iterations"] == other.numbers["newton_iterations"]
-        assert one.numbers["factorizations"] == other.numbers["factorizations"]
+def test_millimetres_take_about_as_many_iterations_and_factorisations_as_metres(in_two_units):
+    """As many until walls touch; then the way down follows rounding, and decimal units round differently.
+
+    Measured: t = 0.8 and 0.9 differ by 1 and 3 iterations of 14 and 18, by 2 and 4 factorisations of 12 and
+    19; all steps by 4 of 97 and by 6 of 73. The bounds are set after seeing that, at about twice as much.
+    """
+    for name in ("newton_iterations", "factorizations"):
+        one, other = ([step.numbers[name] for step in steps] for steps in in_two_units)
+        free = [np.isnan(step.numbers["min_gap"]) for step in in_two_units[0]]
+        assert list(np.array(one)[free]) == list(np.array(other)[free]), name
+        assert abs(sum(one) - sum(other)) < 0.15 * sum(one), name
 
 
 def test_slivers_stretch_as_exactly_as_good_triangles():
