@@ -203,6 +203,19 @@ def test_integration_is_exact_to_order_six_with_positive_weights():
         assert (weights * x**i * y**j).sum() == pytest.approx(1 / ((i + 1) * (j + 1)), rel=1e-13)
 
 
+def test_fields_at_the_sides_are_those_of_linear_functions_and_no_others_beyond_their_range():
+    body = square(n=1, distort=0.0)
+    integration, places = integration_on(body), body.quadrature.points
+    linear = np.exp(0.3 * places[0] - 0.2 * places[1])
+    there = integration.quadrature.points
+    exact = np.exp(0.3 * there[0] - 0.2 * there[1])
+    np.testing.assert_allclose(integration.spread_out(linear), exact, rtol=1e-13)
+    jumping = np.where(places[0] > 0.4, 1.8, 1.0)  # inside both triangles
+    spread, widest = integration.spread_out(jumping), 1.8**0.26
+    assert 1 / widest * (1 - 1e-12) <= spread.min() < 1.0
+    assert 1.8 < spread.max() <= 1.8 * widest * (1 + 1e-12)
+
+
 # against the quadratic element, and the incompressible limit
 
 

@@ -11,7 +11,7 @@ from ..arrays import Array, Booleans, Integers
 from ..geometry.body import Body
 from ..geometry.triangles import folded_over
 from ..state import State
-from ..terms.boundary import boundary_edges
+from ..terms.boundary import crossings
 from .surface import along_pial, pial_closed
 
 if TYPE_CHECKING:
@@ -198,20 +198,6 @@ def inverted(body: Body, state: State) -> int:
     """Return the number of triangles that are turned over somewhere; mixed ones with their bubbles."""
     moved = body.nodes + state["displacement"]
     return len(folded_over(body.mesh, moved, state.fields.get("bubble")))
-
-
-def crossings(body: Body, displacement: Array) -> int:
-    """Return how often the deformed boundary, whose edges are curved, crosses itself, or its mirror image."""
-    from ..morphometry.walls import edge_crossings
-
-    moved, edges = body.nodes + displacement, boundary_edges(body)
-    if body.mirror:
-        line, n = body.nodes[0, body.boundary_path("mirror")[0][0]], body.nodes.shape[1]
-        own = np.abs(body.nodes[0] - line) <= 1e-9 * body.length  # nodes on the mirror are their own image
-        image = np.where(own, np.arange(n), n + np.arange(n))
-        edges = np.hstack([edges, image[edges[::-1]]])
-        moved = np.hstack([moved, np.stack([2 * line - moved[0], moved[1]])])
-    return edge_crossings(moved, edges)
 
 
 def _parts(body: Body, displacement: Array) -> list[tuple[Array, bool]]:

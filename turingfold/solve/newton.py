@@ -146,12 +146,8 @@ class Minimiser:
 
         curved: whether the true one was not positive definite along the last step.
         """
-        levels = [*range(max(1, self._convexity - (not curved)), len(CONVEXITY))]
-        if not curved:
-            levels.insert(0, 0)
+        levels = self._levels(at, curved)
         for level in levels[:1] if self.strict else levels:
-            if level == 1 and not at.is_abrupt:
-                continue
             tangent = self._factorized(at, *CONVEXITY[level])
             if tangent is not None:
                 self._convexity = level
@@ -160,6 +156,15 @@ class Minimiser:
         if self.strict:
             raise NotConvergedError("the tangent is not positive definite")
         raise NotConvergedError("no convex approximation of the tangent is positive definite")
+
+    def _levels(self, at: Configuration, curved: bool) -> list[int]:
+        """Return the levels of CONVEXITY to try; the true tangent first where it may do."""
+        if at.is_condensed:  # whose steps are no better for a true tangent that fails
+            own = [0, *range(2, len(CONVEXITY))]
+            return [level for level in own if level >= self._convexity - 1] if self._convexity > 2 else own
+        first = max(1, self._convexity - (not curved))
+        levels = [level for level in range(first, len(CONVEXITY)) if level > 1 or at.is_abrupt]
+        return levels if curved else [0, *levels]
 
     def _direction(
         self, tangent: Tangent, at: Configuration, gradient: Array, residual: float

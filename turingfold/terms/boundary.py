@@ -11,6 +11,7 @@ from ..arrays import Array, Booleans, Integers
 from ..geometry.body import Body
 from ..geometry.quadratic import distance as piece_distance
 from ..geometry.quadratic import weights
+from ..morphometry.walls import edge_crossings
 
 LOOPS = 3.0  # vertices farther apart than so many distances along the wall may touch wherever they are
 
@@ -40,6 +41,18 @@ def boundary_edges(body: Body) -> Integers:
         facets = np.setdiff1d(facets, body.mesh.boundaries["mirror"])
     start, end = body.mesh.facets[:, facets]
     return np.stack([start, body.mesh.nvertices + facets, end])
+
+
+def crossings(body: Body, displacement: Array) -> int:
+    """Return how often the deformed boundary, whose edges are curved, crosses itself, or its mirror image."""
+    moved, edges = body.nodes + displacement, boundary_edges(body)
+    if body.mirror:
+        line, n = body.nodes[0, body.boundary_path("mirror")[0][0]], body.nodes.shape[1]
+        own = np.abs(body.nodes[0] - line) <= 1e-9 * body.length  # nodes on the mirror are their own image
+        image = np.where(own, np.arange(n), n + np.arange(n))
+        edges = np.hstack([edges, image[edges[::-1]]])
+        moved = np.hstack([moved, np.stack([2 * line - moved[0], moved[1]])])
+    return edge_crossings(moved, edges)
 
 
 def tissue_left(body: Body, edges: Integers) -> Booleans:

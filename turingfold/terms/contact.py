@@ -20,10 +20,9 @@ from ..arrays import Array, Integers
 from ..checks import finite_array, positive
 from ..geometry.body import Body, by_node
 from ..geometry.quadratic import bend
-from ..morphometry.walls import edge_crossings
 from ..parts import Abrupt, Entries, Fields, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
-from .boundary import boundary_edges, counts, stays_straight, tissue_left
+from .boundary import boundary_edges, counts, crossings, stays_straight, tissue_left
 from .creases import creases
 from .inversion import bounding, inversion
 from .obstacles import joined, obstacles
@@ -114,7 +113,7 @@ class ContactOperator(Operator):
 
     def __init__(self, body: Body, term: SelfContact) -> None:
         ipctk.set_num_threads(1)  # more threads make the last bit irreproducible
-        boundary = boundary_edges(body)
+        self.body, boundary = body, boundary_edges(body)
         shortest = _shortest(body)
         self.unit, self.dhat = body.length, term.gap * shortest / body.length
         self.shortest, self.apart = shortest / body.length, APART * self.dhat
@@ -297,9 +296,8 @@ class ContactEvaluation(Abrupt):
         return None if (walls.counts == self.walls.counts).all() else replace(potential, walls=walls)
 
     def is_valid(self) -> bool:
-        """Return whether the body's curved boundary does not cross itself."""
-        own = self.operator.edges[:, : len(self.operator.triangles)]  # those of obstacles come last
-        return edge_crossings(self.points.T, own) == 0
+        """Return whether the body's curved boundary does not cross itself, or its mirror image."""
+        return crossings(self.operator.body, self.x.reshape(-1, 2).T) == 0
 
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return of how many chords each edge is made, (1, m)."""

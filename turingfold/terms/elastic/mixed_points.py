@@ -24,6 +24,7 @@ QUARTER = 0.25
 TRIPLES = (0.0, 0.5, 0.12427226524253289, 0.42505670753484204)  # b of (b, b), (b, 1 - 2b), (1 - 2b, b)
 WEIGHTS = (0.003483592350264027, 0.009122099217871209, 0.050592055833536646, 0.08089396335669698)
 AT_QUARTERS = 0.0112874779541489
+BEYOND = 0.26  # of its range at the body's points: a linear function goes beyond it by 0.253 at most
 
 
 @dataclass(frozen=True)
@@ -59,9 +60,13 @@ class Integration:
     def spread_out(self, values: Array) -> Array:
         """Return positive values given at the body's points, (..., p, e), at the points here, (..., q, e).
 
-        Their logarithms are interpolated by quadratic polynomials: what is positive remains so.
+        Their logarithms are extrapolated by quadratic polynomials, which keeps them positive, but no farther
+        than a linear function would go: where a field jumps inside an element, its sides see no more.
         """
-        return np.asarray(np.exp(self.spread @ np.log(values)))
+        logarithms = np.log(values)
+        low, high = logarithms.min(axis=-2, keepdims=True), logarithms.max(axis=-2, keepdims=True)
+        beyond = BEYOND * (high - low)
+        return np.asarray(np.exp(np.clip(self.spread @ logarithms, low - beyond, high + beyond)))
 
 
 def integration_on(body: Body) -> Integration:
