@@ -19,10 +19,11 @@ from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
 from ..state import State
+from ..terms.boundary import crossings
 from .document import origin
 from .files import FilePath
 from .log import is_due
-from .measures import crossings, gyrification, inverted
+from .measures import gyrification, inverted
 from .result import Result, Row, observe
 from .watch import Tracker, watcher
 
