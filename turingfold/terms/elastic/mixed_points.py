@@ -24,7 +24,8 @@ QUARTER = 0.25
 TRIPLES = (0.0, 0.5, 0.12427226524253289, 0.42505670753484204)  # b of (b, b), (b, 1 - 2b), (1 - 2b, b)
 WEIGHTS = (0.003483592350264027, 0.009122099217871209, 0.050592055833536646, 0.08089396335669698)
 AT_QUARTERS = 0.0112874779541489
-BEYOND = 0.26  # of its range at the body's points: a linear function goes beyond it by 0.253 at most
+# of its range at the body's points: by how much a linear function goes beyond it at most, and any other
+LINEAR, BEYOND = 0.2526, 0.35
 
 
 @dataclass(frozen=True)
@@ -60,13 +61,19 @@ class Integration:
     def spread_out(self, values: Array) -> Array:
         """Return positive values given at the body's points, (..., p, e), at the points here, (..., q, e).
 
-        Their logarithms are extrapolated by quadratic polynomials, which keeps them positive, but no farther
-        than a linear function would go: where a field jumps inside an element, its sides see no more.
+        Their logarithms are extrapolated by quadratic polynomials, which keeps them positive. Where a field
+        jumps inside an element these would go far beyond its range: what a linear function does not need
+        is brought down smoothly to BEYOND.
         """
         logarithms = np.log(values)
         low, high = logarithms.min(axis=-2, keepdims=True), logarithms.max(axis=-2, keepdims=True)
-        beyond = BEYOND * (high - low)
-        return np.asarray(np.exp(np.clip(self.spread @ logarithms, low - beyond, high + beyond)))
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        found = self.spread @ logarithms - middle
+        free = (1 + 2 * LINEAR) * half
+        room = 2 * (BEYOND - LINEAR) * half
+        over = np.divide(np.abs(found) - free, room, out=np.zeros_like(found), where=room > 0)
+        limited = np.where(over > 0, np.copysign(free + room * np.tanh(over), found), found)
+        return np.asarray(np.exp(middle + limited))
 
 
 def integration_on(body: Body) -> Integration:
