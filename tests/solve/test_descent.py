@@ -1,15 +1,16 @@
 """Directions where the tangent is not positive definite: what conjugate gradients make of it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 from test_extreme import cleft_between_three_lobes
-from test_minimise import Surface, _Point, minimiser
+from test_minimise import Surface, _Point, minimiser, two_wells
 
 from turingfold.parts import Abrupt
 from turingfold.results.simulate import simulate
-from turingfold.solve.descent import MOST, STEEP, descent
+from turingfold.solve.descent import DOUBLINGS, MOST, descent, lengthened
+from turingfold.solve.problem import configuration
 
 
 def matrix(values, seed=0):
@@ -42,17 +43,49 @@ def test_iterations_far_from_the_equilibrium_are_few_and_never_without_end():
     assert force @ near.direction > 0 < force @ far.direction
 
 
-@pytest.mark.parametrize("curvature", [-2.0, -1e-6, 1e-6])
-def test_along_negative_or_no_curvature_the_step_has_a_length_and_goes_down(curvature):
-    """With the convex K̃, 1 in place of the lowest eigenvalue: the way to the saddle would be up."""
+@pytest.mark.parametrize(("curvature", "down", "beside"), [
+    (-2.0, 0.828261, 1.260870), (-1e-6, 3.312, 1.04), (1e-6, 3.312, 1.04),
+])  # fmt: skip
+def test_along_negative_or_no_curvature_the_step_has_a_length_and_goes_down(curvature, down, beside):
+    """With the convex K̃, 1 in place of the lowest eigenvalue: the way to the saddle would be up.
+
+    Two steps by hand, c the curvature and q = (1, -1, 0.5), q² = 2.25: f = (0.3, q), α = 2.34/(2.25 +
+    0.09 c); r = f - α K f, β = r²/2.34, d = r + β f; the end is α f + r²/max(|d K d|, d²/10) d, here along
+    the lowest mode and beside it, in q.
+    """
     K, vectors = matrix([curvature, 1.0, 1.0, 1.0])
     force = vectors @ np.array([0.3, 1.0, -1.0, 0.5])
     found = descent(lambda r: r, lambda d: K @ d, force, residual=1e-12)
-    assert found.curved
+    assert (found.iterations, found.curved) == (2, True)
     assert force @ found.direction > 0
     along = vectors.T @ found.direction
-    assert along[1:] == pytest.approx([1.0, -1.0, 0.5], abs=0.5)
-    assert 0 < along[0] <= 1.2 * 0.3 / STEEP
+    assert along == pytest.approx([down, beside, -beside, 0.5 * beside], rel=1e-4)
+
+
+def onward(surface, start, end):
+    """Return where the step between two x of a surface is lengthened to, at y = 0."""
+    at, there = (configuration((surface,), np.array([x, 0.0])) for x in (start, end))
+    return lengthened(at, there).x[0]
+
+
+def test_a_step_is_doubled_as_long_as_the_energy_falls():
+    """E = x⁴/4 - x²/2: from 0.05 on by 0.05, 0.1, 0.2, 0.4 and 0.8 it falls, at 1.65 it is 0.49."""
+    assert onward(two_wells(), 0.05, 0.1) == pytest.approx(0.85)
+    assert onward(two_wells(), 0.05, 1.0) == 1.0  # the minimum
+
+
+def test_a_step_is_doubled_no_farther_than_is_admissible():
+    tight = two_wells()
+    tight.bound = 0.99
+    assert onward(tight, 0.05, 0.1) == 0.1
+    well = two_wells()
+    ends = replace(well, energy=lambda x, y: well.energy(x, y) if x < 0.5 else None)
+    assert onward(ends, 0.05, 0.1) == pytest.approx(0.45)
+
+
+def test_a_step_down_without_end_is_doubled_a_few_times():
+    slope = Surface(lambda x, y: -x, lambda x, y: (-1.0, 0.0), lambda x, y: ((0.0, 0.0), (0.0, 0.0)))
+    assert onward(slope, 0.0, 1.0) == 2.0**DOUBLINGS
 
 
 @dataclass

@@ -5,6 +5,7 @@ import sys
 from dataclasses import replace
 from itertools import pairwise
 
+import ipctk
 import numpy as np
 import pytest
 from checks import message_names
@@ -208,19 +209,43 @@ def slot():
     return body, SelfContact().on(body).during(state_of(body), STEP)
 
 
+def towards_the_other_wall(body, rng):
+    """Return displacements that close or open the slot, (2, n_nodes), and roughen its walls a little."""
+    side = np.sign(body.nodes[0] - 1 - SLOT / 2) * np.clip(2 * body.nodes[1] - 1, 0.0, 1.0)
+    return [[1.0], [0.2]] * rng.standard_normal((2, 1)) * side + 0.002 * rng.standard_normal(body.nodes.shape)
+
+
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10_000), size=st.floats(0.01, 10.0))
 def test_no_step_within_the_bound_makes_walls_cross(slot, seed, size):
     body, potential = slot
     rng = np.random.default_rng(seed)
-    side = np.sign(body.nodes[0] - 1 - SLOT / 2) * np.clip(2 * body.nodes[1] - 1, 0.0, 1.0)
-    d = [[1.0], [0.2]] * rng.standard_normal((2, 1)) * side + 0.002 * rng.standard_normal(body.nodes.shape)
-    d *= size
+    d = size * towards_the_other_wall(body, rng)
     bound = potential.evaluate(np.zeros(d.size)).largest_step(d.T.ravel())
     assert 0 < bound <= 1
     for share in (0.25, 0.5, 0.75, 1.0):
         walls = (body.nodes + share * bound * d)[:, body.pial]
         assert self_intersections(walls, closed=False, quadratic=True) == 0
+
+
+@pytest.mark.parametrize("times", [1.5, 7.0, 40.0, 300.0])
+def test_long_ways_have_the_bound_that_ipctk_finds_on_the_whole_of_them(times):
+    """To ipctk's own accuracy: on 55 ways that end at a wall both differ by 2.4e-6 at most."""
+    body = slotted()
+    operator, rng = SelfContact().on(body), np.random.default_rng(0)
+    walls, bounds = operator.walls, []
+    for _ in range(10):
+        d = by_node(towards_the_other_wall(body, rng))
+        start, end = (walls.positions(operator.moved(x)) for x in (np.zeros_like(d), d))
+        end = start + times * walls.far / np.abs(end - start).max() * (end - start)
+        pairs = ipctk.Candidates()
+        pairs.build(walls.mesh, start, end, 0.5 * walls.apart, ipctk.SweepAndPrune())
+        whole = pairs.compute_collision_free_stepsize(walls.mesh, start, end, walls.apart)
+        bounds.append(walls.largest_step(start, end))
+        assert bounds[-1] == pytest.approx(0.9 * whole if whole < 1.0 else 1.0, rel=1e-5)
+        for share in np.linspace(0.05, 1.0, 20):
+            assert not walls.cross(start + share * bounds[-1] * (end - start))
+    assert min(bounds) < 1.0
 
 
 def test_a_full_step_through_the_other_wall_is_refused():
