@@ -72,6 +72,7 @@ def test_a_step_is_doubled_as_long_as_the_energy_falls():
     """E = x⁴/4 - x²/2: from 0.05 on by 0.05, 0.1, 0.2, 0.4 and 0.8 it falls, at 1.65 it is 0.49."""
     assert onward(two_wells(), 0.05, 0.1) == pytest.approx(0.85)
     assert onward(two_wells(), 0.05, 1.0) == 1.0  # the minimum
+    assert onward(two_wells(), 0.05, 0.7) == 0.7  # 1.35 is lower than the start, but higher than 0.7
 
 
 def test_a_step_is_doubled_no_farther_than_is_admissible():
