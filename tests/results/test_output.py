@@ -10,6 +10,7 @@ import sys
 import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from xml.etree import ElementTree
 
 import meshio
 import numpy as np
@@ -245,6 +246,15 @@ def test_a_frame_opens_in_other_programs(tmp_path, folded):
     assert {"activator", "inhibitor", "pattern"} <= set(mesh.point_data)
     in_band = np.isfinite(mesh.point_data["pattern"])
     assert set(np.flatnonzero(in_band)) == set(body.cortex.nodes)
+
+
+def test_the_cells_of_a_frame_are_as_vtk_wants_them(folded):
+    """Plain lists of numbers: VTK's own reader, unlike meshio, refuses connectivity of six components."""
+    grid = ElementTree.fromstring(Frames(folded.scene).content(folded.last, folded.observe()))
+    (own,) = grid.iter("Cells")
+    cells = {array.get("Name"): array for array in own}
+    assert list(cells) == ["connectivity", "offsets", "types"]
+    assert all(array.get("NumberOfComponents", "1") == "1" for array in cells.values())
 
 
 def test_a_frame_has_the_whole_stress(folded, tmp_path):

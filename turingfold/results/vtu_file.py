@@ -30,7 +30,7 @@ def grid(points: Array, triangles: Integers) -> bytes:
     """Return the part of a file that states of a mesh share: of points (n, 3) and triangles (e, 6)."""
     count = len(triangles)
     cells = {
-        "connectivity": triangles.astype(np.int64),
+        "connectivity": triangles.astype(np.int64).ravel(),  # VTK reads no array of six components here
         "offsets": 6 * np.arange(1, count + 1),
         "types": np.full(count, QUADRATIC_TRIANGLE),
     }
