@@ -52,7 +52,7 @@ def test_of_a_smooth_body_they_are_the_true_ones():
 
 @pytest.mark.slow
 def test_of_a_folded_body_they_are_within_a_factor_of_three_in_energy_and_not_below_a_third(folded):
-    """Length and depth are by chance right to a seventh of what a rule of order 8 moves them; 12 moves them back.
+    """Length and depth are by chance right to a seventh of what order 8 moves them; order 12 moves them back.
 
     With a march by the other rule for the truth, which ended with other chords of contact, all three agreed.
     """
