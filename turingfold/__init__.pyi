@@ -82,6 +82,7 @@ from .outlines.skull import skull_around as skull_around
 from .outlines.surface import surface_section as surface_section
 from .results.files import CorruptFileError as CorruptFileError
 from .results.files import OutputError as OutputError
+from .results.holding import HoldingForceWarning as HoldingForceWarning
 from .results.loading import UnfinishedWarning as UnfinishedWarning
 from .results.loading import load as load
 from .results.paths import path_arrays as path_arrays

@@ -1,11 +1,15 @@
 """Bodies in several parts: what works on all of them, and what refuses them by name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from turingfold import (
     AxonalTension,
+    Drag,
     Elastic,
+    HoldingForceWarning,
     NeoHookean,
     Scene,
     SelfContact,
@@ -16,8 +20,10 @@ from turingfold import (
     outline,
     simulate,
 )
+from turingfold.geometry.body import by_node
 from turingfold.growth.imperfection import Imperfection
 from turingfold.growth.zones import Window
+from turingfold.parts import TimeStep
 from turingfold.results.codec import decode
 from turingfold.results.document import stored
 
@@ -50,7 +56,8 @@ def test_parts_that_do_not_meet_grow_as_each_by_itself(pair):
 
 
 def test_parts_that_grow_into_each_other_touch_and_do_not_cross(pair, tmp_path):
-    result = simulate(scene(pair, 1.25, SelfContact()), out=tmp_path / "pair")
+    with pytest.warns(HoldingForceWarning):
+        result = simulate(scene(pair, 1.25, SelfContact()), out=tmp_path / "pair")
     summary = result.summary()
     assert summary["converged"]
     assert summary["self_intersections"] == summary["inverted_elements"] == 0
@@ -65,6 +72,24 @@ def test_parts_that_grow_into_each_other_touch_and_do_not_cross(pair, tmp_path):
     figures.section(axes, result)
     figures.outline(axes, pair)
     assert len(axes.lines) >= 6
+
+
+def test_what_holds_parts_in_place_carries_what_others_push_with(pair):
+    begun = scene(pair, 1.25, SelfContact())
+    with pytest.warns(HoldingForceWarning, match=r"with Drag\(coefficient=\.\.\.\), small beside"):
+        result = simulate(begun)
+    contact = begun.terms[1].on(pair).during(result.last, TimeStep(1.0, over=True))
+    pushed = contact.evaluate(by_node(result.last["displacement"])).gradient()[0].reshape(-1, 2)
+    left = pair.nodes[0] < 1.025
+    free = [row["holding_force"] for row in result.history if np.isnan(row["min_gap"])]
+    assert max(free) < 1e-6 < 1e-2 < result.history[-1]["holding_force"]
+    # each part is held at one node near its middle, and at another against rotation
+    across = abs(pushed[left, 0].sum())
+    assert result.history[-1]["holding_force"] == pytest.approx(across, rel=0.05)
+    dragged = simulate(replace(begun, terms=(*begun.terms, Drag(coefficient=1e-4))))
+    assert dragged.summary()["holding_force"] is None
+    moved = [dragged.last["displacement"][0, part].mean() for part in (left, ~left)]
+    assert moved[0] < -0.01 < 0.01 < moved[1]
 
 
 def test_the_gyrification_index_of_circles_is_one(pair):

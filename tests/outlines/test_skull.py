@@ -42,6 +42,7 @@ def test_the_hull_of_two_discs_is_a_stadium_enlarged_by_the_gap(pair):
     assert waist == pytest.approx(np.sqrt(1.4**2 - 1.2**2) - 0.4 + GAP, abs=0.01)
 
 
+@pytest.mark.filterwarnings("ignore::turingfold.HoldingForceWarning")  # the skull pushes
 def test_growth_stays_inside_the_skull(pair):
     skull = skull_around(pair, gap=GAP)
     inside = shapely.Polygon(skull.T)

@@ -38,7 +38,7 @@ KEYS = {
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",
     "damped_steps",
-    "min_jacobian", "min_gap",
+    "min_jacobian", "min_gap", "holding_force",
     "inverted_elements", "self_intersections", "gyrification_index",
     "closed_gyrification_index", "closing_radius", "folds", "sulcal_depth", "least_fold_depth",
     "fold_smoothing", "mirror_error", "registration", "registration_p",
@@ -175,6 +175,7 @@ def test_summary_of_a_scene_without_pattern_and_contact(grown):
     assert summary["min_jacobian"] == min(row["min_jacobian"] for row in grown.history)
     assert summary["registration"] is None
     assert summary["min_gap"] is None
+    assert summary["holding_force"] is None
     assert summary["self_intersections"] == 0
     assert summary["mirror_error"] < 1e-9 * RADIUS
     assert summary["converged"] is True

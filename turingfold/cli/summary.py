@@ -8,6 +8,7 @@ from typing import Any
 
 from ..figures.sections import areas
 from ..figures.style import sulci
+from ..results.holding import holding_words
 from ..results.result import Result
 from ..results.units import length_unit, with_error
 from .case import folder_name
@@ -69,6 +70,8 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     if s["inverted_elements"]:
         jacobian += f"; {s['inverted_elements']} element(s) turned over somewhere: use smaller ones"
     yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
+    if words := holding_words(results[name].scene, s["holding_force"]):
+        yield f"supports: {words}"
     if words := _stability(s):
         yield f"equilibria: {words}"
     waves = "" if s["pattern_half_waves"] is None else f"{s['pattern_half_waves']} half waves, "

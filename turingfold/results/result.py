@@ -258,6 +258,8 @@ class Result:
         or damping, those of the step's incremental potential.  saddles: states of the whole run that have
         some.  snaps: steps whose equilibrium only the gradient flow found.
         min_jacobian, min_gap (m): smallest of the whole run, at integration points and between walls.
+        holding_force: largest of the whole run at nodes that only hold free parts in place, N/m; None of a
+        body that is supported.
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.
         perimeter: length of the pial surface, m.  errors, no_errors, step_errors, no_step_errors,
@@ -287,6 +289,7 @@ class Result:
             "damped_steps": sum(row.get("damped", 0.0) > 0 for row in rows),
             "min_jacobian": _smallest(rows, "min_jacobian"),
             "min_gap": _smallest(rows, "min_gap"),
+            "holding_force": _largest(rows, "holding_force"),
             **self._shape,
             "errors": dict(self.errors),
             "no_errors": self.no_errors,
@@ -304,8 +307,15 @@ def observe(problem: Problem, state: State, dt: float) -> dict[str, Array]:
 
 
 def _smallest(rows: Sequence[Row], name: str) -> float | None:
-    values = [row[name] for row in rows if np.isfinite(row.get(name, NAN))]
-    return min(values) if values else None
+    return min(_finite(rows, name), default=None)
+
+
+def _largest(rows: Sequence[Row], name: str) -> float | None:
+    return max(_finite(rows, name), default=None)
+
+
+def _finite(rows: Sequence[Row], name: str) -> list[float]:
+    return [row[name] for row in rows if np.isfinite(row.get(name, NAN))]
 
 
 def _number(value: float) -> float | None:

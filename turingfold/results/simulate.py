@@ -22,6 +22,7 @@ from ..state import State
 from ..terms.boundary import crossings
 from .document import origin
 from .files import FilePath
+from .holding import warn_of_holding
 from .log import is_due
 from .measures import gyrification, inverted
 from .result import Result, Row, observe
@@ -81,7 +82,8 @@ def simulate(
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
-    Warns (CoarseMeshWarning) of fewer than four elements through a growing cortex.
+    Warns (CoarseMeshWarning) of fewer than three elements through a growing cortex, and of parts that push on
+    the nodes that only hold them in place (HoldingForceWarning).
     Raises StoppedError where no step is possible any more, ValueError where `out` holds something else and
     for processes of different ages, OutputError (an OSError) where it cannot be written.
     """
@@ -207,6 +209,8 @@ class _Run:
             if _due(before, state.time, self.scene, self.frames):
                 self.folder.add_state(len(self.history) + 1, state, step.observe())
             self.folder.add_row(row)
+        if "holding_force" in row:
+            warn_of_holding(self.scene, self.history, row["holding_force"])
         self.states.append(state)
         self.history.append(row)
         self.position, self.marching = position, step.seconds

@@ -15,6 +15,7 @@ MEASURES = {  # units in SI of what is stored, tabulated or measured and is no p
     **dict.fromkeys(("normal_displacement", "fold_amplitude"), "m"),
     **dict.fromkeys(("von_mises", "pressure", "contact_pressure", "cauchy_stress"), "Pa"),
     **dict.fromkeys(("energy", "kinetic_energy", "drag_work", "damping_work"), "J/m"),
+    "holding_force": "N/m",
     "seconds": "s",
 }
 PARAMETERS = {  # of parts, by the end of their names

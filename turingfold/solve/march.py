@@ -232,6 +232,8 @@ def _attempt(
         "factorizations": effort.factorizations - factorizations,
         "seconds": perf_counter() - began,
     }
+    if problem.holds.size:
+        numbers["holding_force"] = problem.holding_force(at)
     if usual < 1:
         numbers["damped"] = float(way == DAMPED)
     for evaluation in at.evaluations:

@@ -150,6 +150,7 @@ class Problem:
         if not supported:
             for operator in self.operators:
                 operator.check_balance()
+        self.holds: Integers = np.setdiff1d(self.held, body.supported)  # of parts that are free
         self.n_dofs = body.nodes.size
         self._kept: dict[str, Any] = {}
 
@@ -215,6 +216,11 @@ class Problem:
             return at.energy
         stored = configuration(self.potentials(state, step, lambda term: not term.resists_motion), at.x)
         return float("nan") if stored is None else stored.energy
+
+    def holding_force(self, at: Configuration) -> float:
+        """Return the largest force at nodes that only hold free parts in place; N per m of depth."""
+        forces = np.sum([evaluation.gradient()[0] for evaluation in at.evaluations], axis=0)
+        return float(np.abs(forces[self.holds]).max())
 
     def finished(self, state: State, at: Configuration) -> State:
         """Return the state with those fields of the terms that some part reads.
