@@ -129,6 +129,7 @@ def test_walls_are_made_convex_before_the_solid_is():
     assert set(solid.asked) == {0.0}
 
 
+@pytest.mark.filterwarnings("ignore::turingfold.HoldingForceWarning")  # the skull pushes
 def test_walls_that_slide_cost_no_second_factorisation():
     """Three lobes pressed together: 304 factorisations for 248 iterations when each was tried anew."""
     scene, _ = cleft_between_three_lobes(1.25)

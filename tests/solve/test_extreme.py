@@ -149,6 +149,7 @@ def between_lobes(body, moved):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::turingfold.HoldingForceWarning")  # the skull pushes
 def test_walls_pressed_together_from_three_sides():
     made, skull = cleft_between_three_lobes(1.8)
     steps, stopped = examine(made)

@@ -66,9 +66,7 @@ def _curved_crossings(curves: Array) -> int:
     """
     bent = np.hypot(*bend(curves))
     hull = np.stack((curves[0], 2 * curves[1] - 0.5 * (curves[0] + curves[2]), curves[2]))
-    low, high = hull.min(axis=0), hull.max(axis=0)
-    apart = (low[:, :, None] > high[:, None]).any(axis=0)
-    i, j = np.nonzero(np.triu(~(apart | apart.T), 1))
+    i, j = _overlapping(hull.min(axis=0), hull.max(axis=0))
     meet = ~_parted(hull[..., i], hull[..., j])
     i, j = i[meet], j[meet]
     s, t, h, found = np.zeros(i.size), np.zeros(i.size), 1.0, 0
@@ -85,6 +83,19 @@ def _curved_crossings(curves: Array) -> int:
         s = (s[halve] + h * np.array([[0], [1], [0], [1]])).ravel()
         t = (t[halve] + h * np.array([[0], [0], [1], [1]])).ravel()
     return found
+
+
+def _overlapping(low: Array, high: Array) -> tuple[Integers, Integers]:
+    """Return the pairs of boxes, by their lowest and highest corners (2, m), that overlap."""
+    order = np.argsort(low[0], kind="stable")
+    number = np.arange(order.size)
+    # of those further on in this order, the ones that begin before a box ends
+    count = np.searchsorted(low[0, order], high[0, order], side="right") - number - 1
+    before = np.repeat(number, count)
+    after = before + 1 + np.arange(before.size) - np.repeat(np.cumsum(count) - count, count)
+    i, j = order[before], order[after]
+    meet = (low[1, i] <= high[1, j]) & (low[1, j] <= high[1, i])
+    return i[meet], j[meet]
 
 
 def _parted(one: Array, other: Array) -> Booleans:

@@ -117,10 +117,8 @@ def march(
         if minimiser.out_of_time:
             raise _out_of_time(progress.state, scene)
         dt = _length(progress, stepping, until)
-        snaps = failures >= PATIENCE or bool(failures and dt < progress.usual_dt / 2**PATIENCE)
+        way, strict = _way(progress, dt, failures, overshot, stepping), failures <= PATIENCE
         try:
-            way = DAMPED if snaps and overshot else SNAPS if snaps else USUAL  # by Euler's rule, as usual
-            strict = failures <= PATIENCE
             step = _attempt(problem, minimiser, progress, dt, perf_counter(), way, strict)
         except (RoundOffError, OutOfMemoryError, MemoryError) as error:  # no other step would do
             minimiser.forget()
@@ -144,22 +142,39 @@ def march(
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
-        failures, overshot, past = 0, False, progress.equilibria[-REMEMBERED:]
-        if step.numbers.get("damped"):
+        failures, overshot = 0, False
+        if step.numbers["snapped"] or step.numbers.get("damped"):
             minimiser.forget()
-        onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
-        if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
-            onward, past = max(progress.usual_dt, dt), ()
-            minimiser.forget()
-        elif not (strict or step.at.is_valid):  # shorter steps were of no use
-            onward = max(progress.usual_dt, dt)
-        if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
-            # a step that was cut short there says little about the next
-            onward = max(onward, progress.dt)
-        onward = min(onward, step.longest_next)
-        usual = max(progress.usual_dt / LONGER if past else progress.usual_dt, dt)
-        progress = Progress(step.state, onward, dt, past, minimiser.memory, usual)
+        progress = _after(step, progress, dt, scene, minimiser.memory, strict)
         yield step, progress
+
+
+def _way(progress: Progress, dt: float, failures: int, overshot: bool, stepping: Stepping) -> str:
+    """Return the way to take a step of length dt after so many failures.
+
+    overshot: whether the last one's end was no body; there no flow leads on, but damping may.
+    """
+    if failures < PATIENCE and not (failures and dt < progress.usual_dt / 2**PATIENCE):
+        return USUAL
+    if overshot:
+        return DAMPED if stepping.balance < 1 else USUAL
+    return SNAPS
+
+
+def _after(step: Step, progress: Progress, dt: float, scene: Scene, memory: Memory, strict: bool) -> Progress:
+    """Return the progress after a step of length dt, with the length of the next one."""
+    stepping, until, past = scene.stepping, scene.until, progress.equilibria[-REMEMBERED:]
+    onward = _onward(dt, step.numbers["newton_iterations"], stepping, until)
+    if step.numbers["snapped"]:  # the short steps before it, and the past, tell nothing of what follows
+        onward, past = max(progress.usual_dt, dt), ()
+    elif not (strict or step.at.is_valid):  # shorter steps were of no use
+        onward = max(progress.usual_dt, dt)
+    if any(abs(step.state.time - stop) <= 1e-12 * until for stop in stepping.stops):
+        # a step that was cut short there says little about the next
+        onward = max(onward, progress.dt)
+    onward = min(onward, step.longest_next)
+    usual = max(progress.usual_dt / LONGER if past else progress.usual_dt, dt)
+    return Progress(step.state, onward, dt, past, memory, usual)
 
 
 def _minimiser(problem: Problem, progress: Progress) -> Minimiser:
