@@ -117,8 +117,8 @@ def test_run_writes_results_figure_and_seven_lines(written, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("radius", "depth", "gap"),
     [
-        (0.04, "12.30 ± ? mm deep on average; ", "0.02 mm;"),
-        (1.0, "1.23 ± ? T deep on average (T: cortical thickness); ", "0.002 T;"),
+        (0.04, "12.30 ± ? mm deep on average; ", "0.02 mm,"),
+        (1.0, "1.23 ± ? T deep on average (T: cortical thickness); ", "0.002 T,"),
     ],
 )
 def test_lengths_are_told_in_a_unit_that_suits_the_body(monkeypatch, radius, depth, gap):
@@ -129,7 +129,7 @@ def test_lengths_are_told_in_a_unit_that_suits_the_body(monkeypatch, radius, dep
     monkeypatch.setattr(Result, "summary", lambda _: summary)
     _, folds, _, walls, *_ = told("case", {"scene": result}, Path("results"))
     assert f"folds: 3 sulci, {depth}" in folds
-    assert f"smallest gap between walls {gap}" in walls
+    assert f"smallest gap {gap}" in walls
 
 
 def test_quick_results_are_kept_apart(written, tmp_path):

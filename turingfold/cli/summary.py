@@ -55,21 +55,9 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
         disc = f"the closing by a disc of radius {s['closing_radius'] / unit:.2g} {word}"
         index += f" against the convex hull, {closed:.2f} against {disc}"
     yield f"folds: {sulci(s['folds'])}{deep}; {index}"
-    if mesh := _errors(s, "errors"):
-        rule = max(shares(s, "quadrature_errors").values(), default=0.0)
-        inside = f" (its quadrature: up to {100 * rule:.1g} %)" if rule else ""
-        steps = _errors(s, "step_errors")
-        steps = "none, but where there are several equilibria they choose one" if steps == "none" else steps
-        yield f"errors of the mesh, estimated: {mesh}{inside}; of the steps: {steps}"
-    else:
-        yield "errors of mesh and steps: not estimated"
-    gap = "no contact"
-    if s["min_gap"] is not None:
-        gap = f"smallest gap between walls {s['min_gap'] / unit:.2g} {word}"
-    jacobian = "" if s["min_jacobian"] is None else f"; least volume ratio det F* {s['min_jacobian']:.2f}"
-    if s["inverted_elements"]:
-        jacobian += f"; {s['inverted_elements']} element(s) turned over somewhere: use smaller ones"
-    yield f"walls: {gap}; {s['self_intersections']} self-intersections{jacobian}"
+    yield _told_errors(s)
+    turned = f"; {s['inverted_elements']} element(s) turned over somewhere" if s["inverted_elements"] else ""
+    yield f"walls: {s['self_intersections']} self-intersections{turned}{_on_the_way(s, unit, word)}"
     if words := holding_words(results[name].scene, s["holding_force"]):
         yield f"supports: {words}"
     if words := _stability(s):
@@ -78,6 +66,27 @@ def told(case: str, results: Mapping[str, Result], base: Path) -> Iterator[str]:
     yield f"pattern: {waves}{_gyri(s['registration'])}{_chance(s)}"
     yield f"grown: {areas(results[name])}"
     yield f"results: {base / folder_name(name)}"
+
+
+def _told_errors(s: Mapping[str, Any]) -> str:
+    """Return the estimated errors of mesh and steps as text."""
+    mesh, steps = _errors(s, "errors"), _errors(s, "step_errors")
+    if not mesh:
+        return "errors of mesh and steps: not estimated"
+    rule = max(shares(s, "quadrature_errors").values(), default=0.0)
+    inside = f" (its quadrature: up to {100 * rule:.1g} %)" if rule else ""
+    steps = "none, but where there are several equilibria they choose one" if steps == "none" else steps
+    told = f", estimated: {mesh}{inside}" if s["errors"] else f": not estimated ({mesh.rstrip('.')})"
+    return f"errors of the mesh{told}; of the steps: {steps}"
+
+
+def _on_the_way(s: Mapping[str, Any], unit: float, word: str) -> str:
+    """Return the least of the whole run: of gaps between walls, of volume ratios at integration points."""
+    gap, ratio = s["min_gap"], s["min_jacobian"]
+    least = ["no contact" if gap is None else f"smallest gap {gap / unit:.2g} {word}"]
+    if ratio is not None:
+        least.append(f"least volume ratio of the elastic part at integration points, det F*, {ratio:.2f}")
+    return f"; of all states: {', '.join(least)}"
 
 
 def _errors(s: Mapping[str, Any], errors: str) -> str:

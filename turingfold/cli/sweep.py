@@ -31,7 +31,7 @@ from .plan import base_folder, has_result
 from .point import RECORD, Maker, Point, frames_of, is_taken
 from .progress import watching
 from .request import Request, Running, Telling
-from .run import finished
+from .run import finer, finished
 from .status import Answer, Interrupted, complain, progress, say
 from .study import STUDY, TABLE, Rows, described, ended, read_study, write_study
 from .study import collect as collected
@@ -80,7 +80,8 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
     again = running.resume or (asked.task is not None and not running.overwrite)
     ends = _ended(plan, running, again=again)
     left = deque(one for one in plan if one.name not in ends)
-    first = few = _announce(plan, left, maker, base, asked.keep)
+    remedy = finer(case, request)
+    first = few = _announce(plan, left, maker, base, asked.keep, remedy)
     with writing(base):
         base.mkdir(parents=True, exist_ok=True)
     with nullcontext() if asked.task else _locked(base):
@@ -93,7 +94,7 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
             say(_line(end))
             few = min(few, end.summary.get("elements_through_cortex", few))
         table.finish()
-    if few < first - 0.01 and (words := coarseness(few)):
+    if few < first - 0.01 and (words := coarseness(few, remedy)):
         say(f"note: {words}")
     return _finish(case, request, plan, ends, asked)
 
@@ -158,14 +159,17 @@ def _ended(plan: Sequence[Point], running: Running, *, again: bool) -> dict[str,
     return found
 
 
-def _announce(plan: Sequence[Point], left: Sequence[Point], maker: Maker, base: Path, keep: str) -> float:
+def _announce(
+    plan: Sequence[Point], left: Sequence[Point], maker: Maker, base: Path, keep: str, remedy: str
+) -> float:
     """Say how many points there are and what disk they need; return the elements through the cortex.
 
+    remedy: how the user gets smaller elements.
     Raises ValueError where the disk has no room for them.
     """
     first = next((scene for scene in maker.latest.values()), None)
     few = float("inf") if first is None else first.body.elements_through_cortex
-    if words := coarseness(few):
+    if words := coarseness(few, remedy):
         warnings.warn(words, stacklevel=2)
     done = f", {len(plan) - len(left)} of them done" if len(left) < len(plan) else ""
     size = RECORD_SIZE

@@ -16,7 +16,7 @@ LAST_DAY = 32.0
 
 @runtime_checkable
 class History(Protocol):
-    """Growth from the factor 1 at t = 0 to `final` at the end of its duration."""
+    """Growth from the factor 1 at t = 0 to `final` at the end of its duration, and on beyond that."""
 
     def factor(self, final: float, time: float) -> float:
         """Return the growth factor at `time`."""

@@ -37,7 +37,7 @@ OF_FOLDS, IN_CREASES = ("gyrification_index", "sulcal_depth"), 2.0  # folds end 
 AT_CLAMPS = 1 / (1 - 2**-0.595)
 FARTHEST = 1.0  # cortical thicknesses that the finer mesh may move a node for the estimate to mean anything
 NUDGE = 1e-6  # cortical thicknesses by which nodes move for a difference of forces
-LOCAL, PATIENCE = 1e-3, 20  # residual and Newton iterations of the new nodes' answer
+LOCAL, PATIENCE = 1e-3, 60  # residual and Newton iterations of the new nodes' answer
 ENERGY, LENGTH = "energy", "perimeter"
 Numbers = dict[str, float]
 

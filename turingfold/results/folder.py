@@ -333,7 +333,8 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
             "made from, or choose another folder (out=..., --out DIR)."
         )
     if not resume:
-        holds = f"the result of another scene ({other})" if other else "this result"
+        own = "this result" if (path / "summary.json").exists() else "this result, not finished"
+        holds = f"the result of another scene ({other})" if other else own
         remedy = "" if other else ", go on with it (resume=True, --resume)"
         raise ValueError(
             f"{path} already holds {holds}; choose another folder (out=..., --out DIR){remedy} or replace "

@@ -32,6 +32,7 @@ from .step_control import longest_next
 LONGER = 1.3  # the next step after an easy one
 # shares of the allowed iterations: chosen on a whole coronal section, which took 536 for 744 with 1/4 and 1/2
 EASY, HARD = 0.4, 0.6
+USUAL_ITERATIONS = Stepping.iterations
 USUAL, SNAPS, DAMPED = "usual", "snaps", "damped"  # ways to take a step
 PATIENCE = 3  # halvings after failures, or by which a step is below the usual, before the body snaps
 REFINEMENTS = 3  # how often a step is taken again with finer potentials
@@ -125,7 +126,7 @@ def march(
             raise _hopeless(progress.state, until, error) from error
         except StepTooLongError as error:
             if error.length < stepping.smallest * until:
-                raise _stopped(progress.state, until, error) from error
+                raise _stopped(progress.state, stepping, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=error.length, usual_dt=min(progress.usual_dt, error.length))
             continue
@@ -138,7 +139,7 @@ def march(
                     failures = PATIENCE + 1
                     minimiser.forget()
                     continue
-                raise _stopped(progress.state, until, error) from error
+                raise _stopped(progress.state, stepping, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
@@ -326,11 +327,12 @@ def _predicted(progress: Progress, dt: float) -> Array | None:
     return by_node(extrapolated(progress.equilibria, progress.state.time + dt))
 
 
-def _stopped(state: State, until: float, cause: SolveError) -> NotConvergedError:
+def _stopped(state: State, stepping: Stepping, until: float, cause: SolveError) -> NotConvergedError:
+    more = "more iterations (Stepping(iterations=...)), " if stepping.iterations < USUAL_ITERATIONS else ""
     residual = f" (residual {cause.residual:.2g})" if np.isfinite(cause.residual) else ""
     return NotConvergedError(
         f"The march stopped at t = {state.time:.6g} of {until:g}: {cause}{residual}. The last good state is "
-        "kept. Try smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
+        f"kept. Try {more}smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
         time=state.time,
         residual=cause.residual,
     )
