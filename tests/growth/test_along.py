@@ -144,6 +144,29 @@ def test_a_table_of_thickness_puts_the_interface_where_it_says(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("unit", "metres"),
+    [
+        (" [in]", 0.0254),
+        (" [MM]", 1e-3),
+        (" (µm)", 1e-6),
+        ("", 1.0),
+        (" [1]", 1.0),
+        (" [furlong]", 0),
+        (" [kPa]", 0),
+    ],
+)
+def test_values_of_a_table_have_the_unit_of_their_column(tmp_path, unit, metres):
+    file = tmp_path / "thickness.csv"
+    file.write_text(f"s,thickness{unit}\n0.0,0.1\n0.5,0.1\n")
+    table = SurfaceTable.read(file)
+    if metres:
+        assert table.along("thickness", CIRCLE) == pytest.approx(0.1 * metres)
+    else:
+        with pytest.raises(ValueError, match=r"column='thickness' has the unit '.*'; .* lengths \(m, cm"):
+            table.along("thickness", CIRCLE)
+
+
+@pytest.mark.parametrize(
     ("kind", "change", "message"),
     [
         (GrowthMap, {"places": (0.1, 0.2, 0.3)}, "places has 3 and cortex 2 entries"),

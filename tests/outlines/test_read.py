@@ -65,12 +65,45 @@ def test_a_header_in_latin_1_is_read(tmp_path):
 
 @pytest.mark.parametrize(
     ("header", "unit"),
-    [("x (mm),y (mm)", 1e-3), ("x,y\nmm,mm", 1e-3), ("x_um,y_um", 1e-6), ("x [cm],y [cm]", 1e-2), ("x,y", 0)],
+    [
+        ("x (mm),y (mm)", 1e-3),
+        ("x,y\nmm,mm", 1e-3),
+        ("x_um,y_um", 1e-6),
+        ("x [cm],y [cm]", 1e-2),
+        ("x,y", 0),
+        ("x (in),y (in)", 0.0254),
+        ("x in,y in\nInches,Inches", 0.0254),
+        ("x (CM), y (CM)", 1e-2),
+        ("X / MM;Y / MM", 1e-3),
+        ("Rinde in mm, links (Fall 3)", 1e-3),
+        ("X position,Y position (left)", 0),
+        ("# units: cm", 1e-2),
+        ("# x (mm), y (mm)\nx,y", 1e-3),
+        ("% all coordinates in inches", 0.0254),
+        ("# seen in the microscope (10x), unit tests passed, smoothed by 2 mm", 0),
+    ],
 )
 def test_the_unit_is_that_of_the_header(tmp_path, header, unit):
     found = read_outline(written(tmp_path, f"{header}\n{SQUARE}"))
     assert found.unit == (unit or None)
     assert np.ptp(found.single(), axis=1) == pytest.approx(unit or 1.0)
+
+
+@pytest.mark.parametrize(
+    ("header", "word"),
+    [
+        ("x (furlong),y (furlong)", "furlong"),
+        ("x_px,y_px", "px"),
+        ("x,y\nvoxels,voxels", "voxels"),
+        ("# units: arbitrary", "arbitrary"),
+        ("# x [dm], y [dm]", "dm"),
+    ],
+)
+def test_a_unit_that_is_not_known_is_refused_unless_one_is_given(tmp_path, header, word):
+    file = written(tmp_path, f"{header}\n{SQUARE}")
+    with pytest.raises(ValueError, match=rf"a\.csv: .* states the unit '{word}'; known are m, cm, mm.*unit="):
+        read_outline(file)
+    assert np.ptp(read_outline(file, unit=1e-4).single(), axis=1) == pytest.approx(1e-4)
 
 
 def test_numbers_as_large_as_millimetres_are_pointed_out(tmp_path):
@@ -124,7 +157,8 @@ def test_a_long_straight_base_is_no_second_curve(tmp_path):
         ("x,y\n1,2\nnan,3\n", "line 3: 'nan,3' is not finite; leave that point out"),
         ("1,2\n1,-inf\n", "line 2: '1,-inf' is not finite"),
         ("1,2\n\n3,4\n\n5,6\n", r"line 1: a curve of 1 point.*Blank rows begin a new curve"),
-        ("x (mm),y (cm)\n1,2\n", "several units"),
+        ("x (mm),y (cm)\n1,2\n", "several units of length, mm, cm"),
+        ("# units: mm\nx (cm),y (cm)\n1,2\n", "several units"),
     ],
 )
 def test_wrong_columns_are_refused_by_line(tmp_path, text, message):
@@ -284,6 +318,7 @@ def test_what_is_no_drawing_is_refused(tmp_path):
         ({"path": None}, "path=None must be the path of a CSV or SVG file"),
         ({"path": "brain.csv"}, r"no file brain\.csv"),
         ({"unit": "furlong"}, "unit='furlong' must be one of m, "),
+        ({"unit": "px"}, "unit='px' must be one of m, "),
         ({"unit": 0}, "unit=0 must be positive"),
         ({"name": "brain"}, r"curves of a\.csv have no names"),
     ],

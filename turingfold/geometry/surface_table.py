@@ -16,10 +16,11 @@ from ..checks import file_path, finite_array, one_of
 from .body import Body
 from .curve import Curve
 from .paths import Curves
-from .units import METRES
+from .units import KNOWN, unit_of
 
 Places = tuple[float, ...] | tuple[tuple[float, float], ...]
 BETWEEN = ("linear", "nearest")
+NO_UNIT = (None, "", "1", "-")
 SYMMETRIC = 1e-6  # share of the largest value by which mirror images may differ
 HEADER = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
 
@@ -72,10 +73,11 @@ class SurfaceTable:
     def along(self, column: str, points: Array, *, between: str = "linear") -> Array:
         """Return a column's values at the points (2, n) of a closed outline, (n,); shares begin at the first.
 
-        Lengths come in m, other values as they are in the table: such as for outline(thickness=...).
+        Lengths come in m, as outline(thickness=...) takes them, values without a unit ("g", "g [1]") as
+        they are. Raises ValueError for another unit, and for points off the places.
         """
         k = self.columns.index(one_of("column", column, self.columns))
-        values = METRES.get(self.units[k] or "", 1.0) * np.array(self.values)[:, k]
+        values = _scale(column, self.units[k]) * np.array(self.values)[:, k]
         ring = finite_array("points", points, (2, None))
         nodes = np.stack([ring, 0.5 * (ring + np.roll(ring, -1, axis=1))], axis=2).reshape(2, -1)
         curves = Curves((Curve(nodes, closed=True),))
@@ -220,12 +222,22 @@ def _header(name: str, header: Sequence[str]) -> list[tuple[str, str | None]]:
     return found
 
 
+def _scale(column: str, unit: str | None) -> float:
+    scale = 1.0 if unit in NO_UNIT else unit_of(str(unit))
+    if scale is None:
+        raise ValueError(
+            f"column={column!r} has the unit {unit!r}; along gives lengths ({KNOWN}) and values without a "
+            "unit. Leave the unit out of the header, and the values come as they are."
+        )
+    return scale
+
+
 def _metres(name: str, column: str, unit: str | None) -> float:
-    known = {None: 1.0, "": 1.0} if column == "s" else METRES
-    if unit not in known:
-        words = "no unit: it is a share" if column == "s" else f"one of {', '.join(METRES)}"
+    found = (1.0 if unit in (None, "") else None) if column == "s" else unit_of(unit or "")
+    if found is None:
+        words = "no unit: it is a share" if column == "s" else f"one of {KNOWN}"
         raise ValueError(f"{name}: the column {column} has the unit {unit!r}; it must have {words}.")
-    return known[unit]  # type: ignore[index]
+    return found
 
 
 def _numbers(where: str, row: Sequence[str], factors: Sequence[float]) -> tuple[float, ...]:

@@ -12,11 +12,31 @@ from ..arrays import Array
 from ..checks import positive
 
 METRES = {
-    "m": 1.0, "meter": 1.0, "metre": 1.0, "cm": 1e-2, "mm": 1e-3, "millimetre": 1e-3, "millimeter": 1e-3,
-    "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "nm": 1e-9,
+    "m": 1.0, "meter": 1.0, "metre": 1.0, "cm": 1e-2, "centimetre": 1e-2, "centimeter": 1e-2,
+    "mm": 1e-3, "millimetre": 1e-3, "millimeter": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6,
+    "micrometre": 1e-6, "micrometer": 1e-6, "nm": 1e-9, "in": 0.0254, "inch": 0.0254, "inches": 0.0254,
 }  # fmt: skip
-UNIT = re.compile(r"(?<![^\W_])(" + "|".join(METRES) + r")s?(?![^\W_])")
+KNOWN = "m, cm, mm, um, µm, micron, nm, in, inch"
+ALL = sorted((*METRES, "px", "pixel", "voxel"), key=len, reverse=True)  # the last three are no lengths
+UNIT = rf"(?:{'|'.join(ALL)})s?"
+UNMISTAKABLE = rf"(?<![^\W_])((?:{'|'.join(word for word in ALL if word not in ('m', 'in'))})s?)(?![^\W_])"
+BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
+IN_BRACKETS = re.compile(r".*[\[(]\s*([^\])]*?)\s*[\])]")
+AT_THE_END = re.compile(rf"(?:.*[\W_])?({UNIT})", re.IGNORECASE)
+AMONG_WORDS = re.compile(UNMISTAKABLE, re.IGNORECASE)
+COLUMNS = re.compile(r"\W*(x\b.*?)[,;\s]\s*(y\b.*)", re.IGNORECASE)
+DECLARED = re.compile(r"\bunits?(?:\s+of\s+length)?\s*(?:[:=]|\bis\b|\bare\b)[\s\"'\[(]*([^\W\d_]+)", re.I)
+SPOKEN = re.compile(
+    r"\b(?:coordinates|points|positions|lengths|distances|numbers|values|all)\b[^.;:]*\bin\s+" + UNMISTAKABLE,
+    re.IGNORECASE,
+)
 LARGE = 10.0  # no brain has so many metres, and a body without units is seldom drawn so large
+
+
+def unit_of(word: str) -> float | None:
+    """Return the length in m of a unit that a file names, in capitals or not, or None if it is none."""
+    found = word.strip().lower()
+    return METRES.get(found, METRES.get(found.removesuffix("s")))
 
 
 def metres(unit: str | float) -> float:
@@ -26,9 +46,38 @@ def metres(unit: str | float) -> float:
     """
     if not isinstance(unit, str):
         return positive("unit", unit, remedy='give the length of a unit in m, or a word such as "mm"')
-    if unit.strip() not in METRES:
-        raise ValueError(f"unit={unit!r} must be one of {', '.join(METRES)}, or a number of metres.")
-    return METRES[unit.strip()]
+    found = unit_of(unit)
+    if found is None:
+        raise ValueError(f"unit={unit!r} must be one of {KNOWN}, or a number of metres.")
+    return found
+
+
+def units_of_header(fields: Sequence[str]) -> list[str]:
+    """Return the words that stand for units in the fields of a header: "x (mm)", "x_mm", "mm".
+
+    What two columns have in brackets are units, known or not, and so is a word that is both fields. Among the
+    words of other text only those count that mean nothing else, so neither "in" nor "m".
+    """
+    line = " ".join(fields)
+    brackets = BRACKETS.findall(line)
+    if len(fields) != 2:
+        return brackets if len(brackets) == 2 and len(set(brackets)) == 1 else AMONG_WORDS.findall(line)
+    if fields[0] == fields[1]:
+        return [fields[0].strip("[]() ")]
+    both = [IN_BRACKETS.fullmatch(field) for field in fields]
+    words = [
+        match[1]
+        for match in (b or AT_THE_END.fullmatch(f) for b, f in zip(both, fields, strict=True))
+        if match
+    ]
+    return words if all(both) else [word for word in words if AT_THE_END.fullmatch(word)]
+
+
+def units_of_comment(text: str) -> list[str]:
+    """Return the words that stand for units in a comment: "units: cm", "x (mm), y (mm)", "points in mm"."""
+    columns = COLUMNS.fullmatch(text.strip())
+    found = units_of_header([columns[1].strip(" ,;"), columns[2].strip()]) if columns else []
+    return found or DECLARED.findall(text) or SPOKEN.findall(text)
 
 
 def note_large(source: str, loops: Sequence[Array], remedy: str) -> None:

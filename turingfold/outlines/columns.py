@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array
-from ..geometry.units import METRES, UNIT
+from ..geometry.units import KNOWN, unit_of, units_of_comment, units_of_header
 
-COMMENT = re.compile(r"(^|\s)[#%].*$")
+COMMENT = re.compile(r"(?:^|\s)[#%](.*)$")
 MISSING = ("", "nan", "na", "n/a", "null")
 INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
@@ -46,32 +46,51 @@ class Dialect:
         return None if wrong in text or not NUMBER.fullmatch(text) else float(text.replace(",", "."))
 
 
-def read_columns(file: Path) -> tuple[list[Array], float | None]:
+def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array], float | None]:
     """Return the closed curves (2, n) in a file, and the length in m of the unit it states, if it does.
 
+    unit_is_given: what the file states does not matter.
     Raises ValueError with the number of the line for fields that are no numbers, for curves of fewer than
-    three points, and for closed curves that follow each other without a blank row.
+    three points, and for closed curves that follow each other without a blank row; for an unknown unit.
     """
-    lines = [COMMENT.sub("", line).strip() for line in _text(file).splitlines()]
+    written = _text(file).splitlines()
+    lines = [COMMENT.sub("", line).strip() for line in written]
     declared = re.fullmatch(r'"?sep=(.)"?', lines[0]) if lines else None
     dialect = _dialect(lines[1:], declared[1].strip()) if declared else _dialect(lines, None)
     curves: list[list[tuple[float, float, int]]] = [[]]
-    units: set[float] = set()
+    words: list[str] = []
     for number, line in enumerate(lines[bool(declared) :], start=1 + bool(declared)):
         fields = dialect.fields(line)
+        if comment := COMMENT.search(written[number - 1]):
+            words += units_of_comment(comment[1])
         if all(field.lower() in MISSING for field in fields):
             if curves[-1]:
                 curves.append([])
         elif not curves[-1] and not any(LIKE_A_NUMBER.match(field) for field in fields):
-            units |= {METRES[found] for found in UNIT.findall(line)}  # a header
+            words += units_of_header(fields)
         else:
             curves[-1].append((*_point(fields, dialect, f"{file.name}, line {number}: {line!r}"), number))
-    if len(units) > 1:
-        raise ValueError(f"{file.name}: its header names several units of length; give both columns in one.")
     filled = [curve for curve in curves if curve]
     if not filled:
         raise ValueError(f"{file.name} holds no points; give two columns x, y.")
-    return [_closed(curve, file.name) for curve in filled], units.pop() if units else None
+    unit = None if unit_is_given else _unit(words, file.name)
+    return [_closed(curve, file.name) for curve in filled], unit
+
+
+def _unit(words: list[str], name: str) -> float | None:
+    """Return the length in m of the unit that all the words name, or None without a word."""
+    units = {word: unit_of(word) for word in words}
+    for word, unit in units.items():
+        if unit is None:
+            raise ValueError(
+                f"{name}: its header or a comment states the unit {word!r}; known are {KNOWN}. Give the "
+                "length of its unit in m, such as unit=1e-4, or take that word out."
+            )
+    if len(set(units.values())) > 1:
+        raise ValueError(
+            f"{name}: it states several units of length, {', '.join(units)}; give both columns in one."
+        )
+    return next(iter(units.values()), None)
 
 
 def _text(file: Path) -> str:

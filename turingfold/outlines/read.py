@@ -55,13 +55,13 @@ def read_outline(
 
     CSV: two columns x, y, separated by comma, semicolon, tab or space, with a decimal point or comma. Blank
     rows, or rows of NaN, begin a new curve. Rows without a number are a header, which may state the unit:
-    "x (mm), y (mm)", or a row "mm,mm". Lines from # or % on are comments.
+    "x (mm), y (mm)", or a row "mm,mm". Lines from # or % on are comments, which may: "# units: mm".
     SVG: every path, circle, ellipse, rect, polygon and polyline that is shown, each part of a path a curve of
     its own, with all transforms applied and the y axis turned to point upward; a Bézier curve or a quarter of
     an ellipse has `samples` points. The unit follows from a width in mm, cm, in, pt or pc and the viewBox.
     name: id or label of the shapes (or of the group or layer that they are in) to read; left out: all.
-    unit: of the file's coordinates, "m", "cm", "mm", "um", "nm" or metres; left out: as the file states, and
-    if it states none, the numbers are returned as they are.
+    unit: of the file's coordinates, "m", "cm", "mm", "um", "nm", "in" or metres; left out: as the file says,
+    and if it states none, the numbers are returned as they are.
     Raises ValueError for other files, and for what cannot be read, with its place.
     """
     file = file_path("path", path, "a CSV or SVG file")
@@ -74,7 +74,7 @@ def read_outline(
     elif kind in COLUMNS:
         if name:
             raise ValueError(f"name={name!r}: curves of {file.name} have no names; SVG files have.")
-        loops, stated = read_columns(file)
+        loops, stated = read_columns(file, unit_is_given=given is not None)
         names = [""] * len(loops)
     else:
         known = ", ".join(COLUMNS)
