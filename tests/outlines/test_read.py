@@ -275,14 +275,6 @@ def test_shapes_of_one_name_are_all_kept(tmp_path):
         read_outline(file, name="pia")
 
 
-def test_what_is_not_shown_is_not_read(tmp_path):
-    body = (
-        '<defs><rect id="d" width="9" height="9"/></defs><clipPath><rect width="7" height="7"/></clipPath>'
-        '<rect width="8" height="8" style="display:none"/><text>10,10</text><use href="#d" x="1"/>'
-    )
-    assert [abs(area(loop)) for loop in read_outline(drawing(tmp_path, body)).loops] == [81]
-
-
 @pytest.mark.parametrize(
     ("body", "message"),
     [

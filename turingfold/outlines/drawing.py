@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from pathlib import Path
 from typing import Any
@@ -12,16 +11,13 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import whole
+from .drawing_shapes import Shape, shapes
+from .drawing_style import kind_of
+from .drawing_view import NUMBER
 
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-INCH = 0.0254
-METRES = {"mm": 1e-3, "cm": 1e-2, "Q": 0.25e-3, "in": INCH, "pt": INCH / 72, "pc": INCH / 6}
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-WIDTH = re.compile(rf"\s*({NUMBER})\s*({'|'.join(METRES)})\s*")
 FLAG = "[01]"
 COMMAND = re.compile(r"([a-zA-Z])([^a-df-zA-DF-Z]*)")
 ARGUMENTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
-TRANSFORM = re.compile(r"(?:(?:matrix|translate|scale|rotate|skewX|skewY)\s*\([^()]*\)[\s,]*)*|none", re.I)
 
 
 def read_drawing(
@@ -33,40 +29,24 @@ def read_drawing(
     in_user_units: the coordinates of the drawing's viewBox are wanted, whatever width it states.
     Raises ValueError for what is no SVG, for numbers that are wrong, and where nothing is found.
     """
-    import svgelements as svg
-
     whole("samples", samples, at_least=1)
-    root = _root(file)
-    width = None if in_user_units else WIDTH.fullmatch(root.get("width", ""))
-    if width is None:
-        for word in ("width", "height", "viewBox"):
-            root.attrib.pop(word, None)
-    try:
-        drawing: Any = svg.SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False)
-    except (ValueError, TypeError, AttributeError, IndexError, ZeroDivisionError) as error:
-        raise ValueError(f"{file.name} cannot be read as SVG: {error}.") from error
-    if not isinstance(drawing, svg.SVG) or (width is not None and not drawing.width):
-        raise ValueError(
-            f"{file.name} cannot be read as SVG: its outermost element has no name space or size."
-        )
-    scale = 1.0 if width is None else float(width[1]) * METRES[width[2]] / drawing.width
+    shown, physical = shapes(_root(file), file.name, in_user_units=in_user_units)
     loops: list[Array] = []
     names: list[str] = []
-    known: set[str] = set()
-    for shape, words in _shapes(drawing, ()):
-        known |= set(words)
+    for shape in shown:
+        words = shape.place.words
         if name and name not in words:
             continue
-        path = svg.Path(shape)
-        for part in path.as_subpaths():
-            points = _points(part, path.transform, samples)
+        for part in _parts(shape):
+            points = _points(part, shape.place.matrix, samples)
             if points.shape[1] >= 3:
-                loops.append(points * scale)
+                loops.append(points)
                 names.append(words[-1] if words else "")
     if not loops:
-        what = f"no outline is called {name!r}, names are {', '.join(sorted(known)) or 'none'}"
+        known = sorted({word for shape in shown for word in shape.place.words})
+        what = f"no outline is called {name!r}, names are {', '.join(known) or 'none'}"
         raise ValueError(f"{file.name}: {what if name else 'it shows no shape with at least 3 points'}.")
-    return loops, names, None if width is None else 1.0
+    return loops, names, 1.0 if physical else None
 
 
 def _root(file: Path) -> ElementTree.Element:
@@ -75,10 +55,10 @@ def _root(file: Path) -> ElementTree.Element:
         root = ElementTree.parse(file).getroot()
     except (ElementTree.ParseError, UnicodeDecodeError) as error:
         raise ValueError(f"{file.name} is not well-formed SVG: {error}.") from error
-    if root.tag.rpartition("}")[2] != "svg":
+    if kind_of(root) != "svg":
         raise ValueError(f"{file.name} is no SVG: its outermost element is {root.tag!r}.")
     for element in root.iter():
-        kind = str(element.tag).rpartition("}")[2]
+        kind = kind_of(element)
         where = f"{file.name}: {kind} {element.get('id', '')}".rstrip()
         if kind == "path":
             _examine_path(element.get("d", ""), where)
@@ -87,10 +67,6 @@ def _root(file: Path) -> ElementTree.Element:
             left = re.sub(NUMBER, "", element.get("points", "")).strip(" ,\t\r\n")
             if len(numbers) % 2 or re.sub(r"[\s,]", "", left):
                 raise ValueError(f"{where}: the attribute points must be pairs of numbers x, y.")
-        style = re.search(r"(?:^|;)\s*transform\s*:([^;]*)", element.get("style", ""))
-        for text in (element.get("transform", ""), style[1] if style else ""):
-            if not TRANSFORM.fullmatch(text.strip()):
-                raise ValueError(f"{where}: the transform {text.strip()!r} is not one that SVG knows.")
     return root
 
 
@@ -116,26 +92,34 @@ def _examine_path(text: str, where: str) -> None:
             )
 
 
-def _shapes(group: Any, outer: tuple[str, ...]) -> list[tuple[Any, tuple[str, ...]]]:
-    """Return the shapes shown in a group, each with its id and label, after those of the groups round it."""
+def _parts(shape: Shape) -> Any:
+    """Return the parts of a shape, each a row of segments, in its own user units."""
     import svgelements as svg
 
-    found = []
-    for element in group:
-        attributes = element.values.get("attributes", element.values)
-        own = [element.id, attributes.get(LABEL)]
-        words = outer + tuple(word for word in own if word)
-        if isinstance(element, svg.Group | svg.Use):
-            found += _shapes(element, words)
-        elif isinstance(element, svg.Shape):
-            found.append((element, words))
-    return found
+    x, y, cx, cy = (shape.length(name) or 0.0 for name in ("x", "y", "cx", "cy"))
+    width, height, r, rx, ry = (shape.length(name) for name in ("width", "height", "r", "rx", "ry"))
+    rx, ry = (ry if rx is None else rx), (rx if ry is None else ry)
+    try:
+        if shape.kind == "path":
+            path = svg.Path(shape.given.get("d", ""))
+        elif shape.kind in ("polygon", "polyline"):
+            made = {"polygon": svg.Polygon, "polyline": svg.Polyline}[shape.kind]
+            path = svg.Path(made(shape.given.get("points", "")))
+        elif shape.kind == "rect":
+            path = svg.Path(svg.Rect(x, y, width, height, rx or 0.0, ry or 0.0)) if width and height else ()
+        elif shape.kind == "circle":
+            path = svg.Path(svg.Circle(cx, cy, r)) if r else ()
+        else:
+            path = svg.Path(svg.Ellipse(cx, cy, rx, ry)) if rx and ry else ()
+        return list(path.as_subpaths()) if path else []
+    except (ValueError, TypeError, AttributeError, IndexError, ZeroDivisionError) as error:
+        raise ValueError(f"{shape.where} cannot be read: {error}.") from error
 
 
-def _points(part: Any, transform: Any, samples: int) -> Array:
+def _points(part: Any, matrix: Array, samples: int) -> Array:
     """Return points of a part of a path, (2, n), without the first again; `samples` on a Bézier curve.
 
-    They are transformed as points: the reader's own transformed arcs are wrong under shear.
+    matrix: (3, 3), to which the y axis turned to point upward is added.
     """
     import svgelements as svg
 
@@ -154,9 +138,8 @@ def _points(part: Any, transform: Any, samples: int) -> Array:
     found = np.array(points)
     while len(found) > 1 and abs(found[0] - found[-1]) <= 1e-9 * np.abs(found).max():
         found = found[:-1]
-    x, y = found.real, found.imag
-    m = transform
-    return np.stack([m.a * x + m.c * y + m.e, -(m.b * x + m.d * y + m.f)])
+    x, y, _ = matrix @ np.stack([found.real, found.imag, np.ones(len(found))])
+    return np.stack([x, -y])
 
 
 def _closing(points: list[complex]) -> list[complex]:
