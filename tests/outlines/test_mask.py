@@ -241,6 +241,81 @@ def test_pictures_have_rows_from_top_to_bottom(tmp_path):
     assert abs(area(section.pial[0])) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
 
 
+def black_on_white(kind):
+    """Return a disc of radius 30 mm in pixels of 0.5 mm, whose value is lower than that round it."""
+    inside = np.hypot(*np.meshgrid(np.arange(-70, 71), np.arange(-65, 66))) <= 60
+    if kind == "int8":
+        return np.where(inside, -1, 0).astype(np.int8)
+    if kind != "palette":
+        return np.where(inside, 0, 255).astype(np.uint8)
+    picture = Pictures.fromarray(np.where(inside, 0, 1).astype(np.uint8), "P")
+    picture.putpalette([200, 100, 100, 255, 255, 255])
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [("uint8", "value 255 .* 0 is"), ("int8", "value 0 .* -1 is"), ("palette", "value 1 .* 0 is")],
+)
+def test_a_black_brain_on_white_is_a_brain(tmp_path, kind, words):
+    pixels = black_on_white(kind)
+    if kind == "palette":
+        pixels.save(tmp_path / "mask.png")
+        pixels = tmp_path / "mask.png"
+    with pytest.warns(UserWarning, match=f"the {words} taken as tissue; if .* is, give .*gray="):
+        (section,) = sections(pixels, pixel_mm=0.5)
+    assert [area(loop) for loop in section.pial] == pytest.approx([np.pi * 30**2 * 1e-6], rel=0.01)
+
+
+def test_the_values_of_tissue_can_be_given():
+    pixels = black_on_white("uint8")
+    (brain_,) = sections(pixels, gray=0, pixel_mm=0.5)
+    (round_it,) = sections(pixels, gray=255, pixel_mm=0.5)
+    assert enclosed(brain_.pial) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
+    assert enclosed(brain_.pial) + enclosed(round_it.pial) == pytest.approx(131 * 141 * 0.25e-6, rel=1e-4)
+
+
+def test_a_level_above_which_lies_the_edge_of_the_picture_is_pointed_out():
+    shades = np.where(black_on_white("uint8") == 0, 40, 230) + np.arange(141) % 7
+    with pytest.warns(
+        UserWarning, match=r"above the level 128 fill 100% of the edges .* the image's negative"
+    ):
+        sections(shades, level=128, pixel_mm=0.5)
+    (section,) = sections(-shades, level=-128, pixel_mm=0.5)
+    assert area(section.pial[0]) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
+
+
+def test_a_brain_that_is_cut_out_closely_stays_a_brain():
+    """It touches all four edges, but with little of them."""
+    pixels = 255 - black_on_white("uint8")[5:-5, 10:-10]
+    assert all(edge.any() for edge in (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]))
+    (section,) = sections(pixels, pixel_mm=0.5)
+    assert enclosed(section.pial) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif"])
+@pytest.mark.parametrize(
+    ("orientation", "stored"),
+    [
+        (1, lambda seen: seen),
+        (2, lambda seen: seen[:, ::-1]),  # the first column is the right side
+        (3, lambda seen: seen[::-1, ::-1]),
+        (6, lambda seen: seen.T[::-1]),  # the first row is the right side, the first column the top
+        (8, lambda seen: seen.T[:, ::-1]),  # the first row is the left side, the first column the bottom
+    ],
+)
+def test_pictures_are_upright_as_their_camera_says(tmp_path, name, orientation, stored):
+    """By the specification of EXIF, tag Orientation; as seen, 20 by 10 pixels are at the top left."""
+    seen = np.zeros((60, 90), dtype=np.uint8)
+    seen[5:15, 10:30] = 255
+    exif = Pictures.Exif()
+    exif[0x0112] = orientation
+    Pictures.fromarray(np.ascontiguousarray(stored(seen))).save(tmp_path / name, exif=exif)
+    (section,) = sections(tmp_path / name, pixel_mm=1.0)
+    (left, low), (right, high) = 1e3 * section.pial[0].min(1), 1e3 * section.pial[0].max(1)
+    assert [left, right, low, high] == pytest.approx([9.5, 29.5, 44.5, 54.5])
+
+
 @pytest.mark.skipif(not REAL.is_dir(), reason="the folder BRAIN_SECTIONS of real sections is not here")
 def test_labels_of_a_real_brain_agree_with_the_surfaces_they_were_made_from():
     shapely = pytest.importorskip("shapely")

@@ -151,15 +151,20 @@ def _turned(values: Any, affine: Array, source: str) -> Image:
 
 
 def _pixels(file: Path) -> Any:
-    """Return the pixels of a picture, ([frames,] rows, columns); numbers of colours if it lists them."""
+    """Return the pixels of a picture, ([frames,] rows, columns), turned upright as its EXIF data say.
+
+    Of a picture with a list of colours, they are the numbers in it.
+    """
     from PIL import Image as Pictures
-    from PIL import ImageSequence, UnidentifiedImageError
+    from PIL import ImageOps, ImageSequence, UnidentifiedImageError
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Pictures.DecompressionBombWarning)  # of 9e7 pixels and more
-            with Pictures.open(file) as picture:
-                frames = [np.asarray(frame) for frame in ImageSequence.Iterator(picture)]
+            # from a stream: of a path, Pillow maps the file into memory, and then turns a plain TIFF wrongly
+            with file.open("rb") as stream, Pictures.open(stream) as picture:
+                upright = map(ImageOps.exif_transpose, ImageSequence.Iterator(picture))
+                frames = [np.asarray(frame) for frame in upright]
     except (
         UnidentifiedImageError,
         Pictures.DecompressionBombError,

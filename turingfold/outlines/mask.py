@@ -38,7 +38,9 @@ def sections(
     sections as oblique, named by the closest axes.
     index: of the plane of voxels, counted from left, back or bottom; of the picture in a file of several.
     gray, white, hole: labels of the tissues, one or several, such as gray=(3, 42); numbers of the maps where
-    the image has a fourth axis of tissues. All left out: the image is a mask, or the probability of tissue.
+    the image has a fourth axis of tissues. All left out: the image is the probability of tissue, or a mask,
+    of whose two values the higher is tissue; with a warning the lower, where the higher fills most of the
+    image's edges, as does the white round a black brain. gray=0 or gray=255 says which.
     level: the probability at the surface, 0.5 if left out; without labels any value of the image.
     pixel_mm: the edge of a pixel, for pictures and arrays with two axes.
 

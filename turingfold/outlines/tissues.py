@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -16,6 +17,7 @@ from .image import PLANES, Image, read_image
 NAMES = ("gray", "white", "hole")
 SHOWN = 12  # labels listed in a message
 LEAST = -(2**31)  # of all labels
+FRAME = 0.5  # of the edges of planes: what fills more is what is round the brain
 MANY = 1_000_000  # labels that are counted one by one
 
 Labels = int | Sequence[int] | None
@@ -56,10 +58,10 @@ def tissues_of(
     if isinstance(image, Mapping):
         if labels or level is not None:
             raise ValueError("labels and level are for one image; a mapping holds a map of probability each.")
-        return _maps({name: read_image(item, plane, pixel_mm) for name, item in image.items()})
+        return _maps({name: read_image(item, plane, pixel_mm) for name, item in image.items()}, plane)
     read = read_image(image, plane, pixel_mm)
     if not labels:
-        return {"gray": _map(read, level)}
+        return {"gray": _map(read, level, plane)}
     if "gray" not in labels:
         raise ValueError(f"gray is missing beside {' and '.join(labels)}; give its labels, too.")
     if level is not None:
@@ -98,7 +100,7 @@ def _sum_of_maps(numbers: Integers, values: Any) -> Any:
     return values[..., numbers].sum(axis=-1)
 
 
-def _maps(images: Mapping[str, Image]) -> dict[str, Tissue]:
+def _maps(images: Mapping[str, Image], plane: str) -> dict[str, Tissue]:
     """Return the tissues of which each image is a map of probability."""
     if not {"gray"} <= set(images) <= set(NAMES):
         raise ValueError(f"the names of images are gray, white and hole, not {', '.join(images)}.")
@@ -107,11 +109,14 @@ def _maps(images: Mapping[str, Image]) -> dict[str, Tissue]:
         same = item.values.shape == first.values.shape
         if not (same and np.allclose(item.affine, first.affine, rtol=1e-4, atol=1e-6)):
             raise ValueError(f"the images of gray and {name} have other voxels; bring them to one grid.")
-    return {name: _map(item, None) for name, item in images.items()}
+    return {name: _map(item, None, plane) for name, item in images.items()}
 
 
-def _map(image: Image, level: float | None) -> Tissue:
-    """Return the tissue of which an image is the mask or the map of probability."""
+def _map(image: Image, level: float | None, plane: str) -> Tissue:
+    """Return the tissue of which an image is the mask or the map of probability.
+
+    Of the two values of a mask the higher one is tissue, unless it fills most of the edges of the planes.
+    """
     values, source = image.values, image.source
     if values.ndim != 3:
         raise ValueError(f"{source} has shape {values.shape}; say which map is which, such as gray=0.")
@@ -122,16 +127,39 @@ def _map(image: Image, level: float | None) -> Tissue:
         shown = "" if level is None else f"level={level:g}: "
         raise ValueError(f"{shown}{source} has values from {low:g} to {high:g}; the level must lie between.")
     if known is not None and len(known) == 2:
-        return Tissue(image, partial(np.equal, high))
-    if known is not None and level is not None:
-        return Tissue(image, partial(np.less, level))
-    if known is not None:
+        filled = _of_edges(values == high, plane)
+        if filled > FRAME:
+            warnings.warn(
+                f"{source}: the value {high:g} fills {filled:.0%} of the edges of its {plane} planes, so "
+                f"that {low:g} is taken as tissue; if {high:g} is, give gray={high:g}.",
+                stacklevel=4,
+            )
+        return Tissue(image, partial(np.equal, low if filled > FRAME else high))
+    if known is not None and level is None:
         raise ValueError(f"{source} holds {_listed(known)}; name those of gray, white and hole.")
     if level is None and not (low >= -1e-3 and high <= 1.001):
         raise ValueError(
             f"{source} has values from {low:g} to {high:g}: neither labels nor probabilities; give a level."
         )
-    return Tissue(image, np.asarray, 0.5 if level is None else level)
+    least = 0.5 if level is None else level
+    filled = _of_edges(values > least, plane)
+    if filled > FRAME:
+        warnings.warn(
+            f"{source}: values above the level {least:g} fill {filled:.0%} of the edges of its {plane} "
+            "planes, so that the outline follows them. Where tissue has the lower values, give the image's "
+            "negative.",
+            stacklevel=4,
+        )
+    return Tissue(image, partial(np.less, level)) if known is not None else Tissue(image, np.asarray, least)
+
+
+def _of_edges(tissue: Any, plane: str) -> float:
+    """Return which share of the edges of planes tissue fills; 0 unless it reaches all sides of the image."""
+    sides = [[tissue.take(end, axis=axis) for end in (0, -1)] for axis in range(3)]
+    if not all(side.any() for pair in sides for side in pair):
+        return 0.0
+    edges = [side.ravel() for axis, pair in enumerate(sides) if axis != PLANES[plane] for side in pair]
+    return float(np.mean(np.concatenate(edges)))
 
 
 def _are_whole(values: Any) -> bool:
