@@ -49,7 +49,7 @@ def chosen(told):
 
 def test_a_looser_error_takes_the_first_run_and_a_smaller_one_finer_elements(case, capsys):
     told, facts = ran(capsys, "--accuracy", "5%")
-    assert chosen(told) == [2.0]
+    assert chosen(told) == [3.0]
     loose = load("results/tiny/only")
     assert facts["reached"] == pytest.approx(max(
         SAFETY * loose.errors[name] / abs(loose.summary()[name]) for name in ("energy", "perimeter")
@@ -57,7 +57,7 @@ def test_a_looser_error_takes_the_first_run_and_a_smaller_one_finer_elements(cas
     wanted = 0.2 * facts["reached"]
     told, facts = ran(capsys, "--accuracy", f"{wanted}", "--overwrite")
     assert len(chosen(told)) > 1
-    assert chosen(told)[-1] == facts["elements"] > 2.0
+    assert chosen(told)[-1] == facts["elements"] > 3.0
     assert facts["reached"] <= wanted
     result = load("results/tiny/only")
     assert result.scene.body.elements_through_cortex == pytest.approx(facts["elements"], rel=0.1)
@@ -120,7 +120,7 @@ def test_after_a_run_that_is_no_better_comes_a_finer_one_by_the_best():
     assert onward(trials, 0.01, lambda elements: 5.0) is None  # a case that can have no more
 
 
-STOPS = CASE.replace("largest=0.2)", "largest=0.2, seconds=100.0 if elements <= 2 else 1e-9)")
+STOPS = CASE.replace("largest=0.2)", "largest=0.2, seconds=100.0 if elements <= 3 else 1e-9)")
 
 
 def test_the_best_run_is_kept_where_finer_ones_stop(case, capsys):
@@ -128,18 +128,18 @@ def test_the_best_run_is_kept_where_finer_ones_stop(case, capsys):
     told, facts = ran(capsys, "--accuracy", "0.005%", status=3)
     assert "run 2, elements=" in told
     assert "no estimate of its errors, scene 'only': The march stopped" in told
-    assert facts["elements"] == 2.0
+    assert facts["elements"] == 3.0
     assert facts["runs"][0]["reached"] == facts["reached"] > 5e-5
     assert facts["runs"][1]["reached"] is None
-    assert "was not reached: elements=2, the best run" in " ".join(told.split())
+    assert "was not reached: elements=3, the best run" in " ".join(told.split())
     kept = load("results/tiny/only")
     assert kept.converged
-    assert kept.scene.body.elements_through_cortex == pytest.approx(2.0, rel=0.1)
+    assert kept.scene.body.elements_through_cortex == pytest.approx(3.0, rel=0.1)
     assert sorted(path.name for path in (case.parent / "results/tiny").iterdir()) == ["only"]
 
 
 def test_a_search_that_is_refused_half_way_keeps_the_best_run(case, capsys):
-    case.write_text(CASE.replace("if slow else", "if elements > 2 else"))
+    case.write_text(CASE.replace("if slow else", "if elements > 3 else"))
     assert main(["run", "tiny.py", "--accuracy", "0.005%"]) == 2
     assert "which motions (Drag) have none of" in " ".join(capsys.readouterr().err.split())
     assert load("results/tiny/only").converged

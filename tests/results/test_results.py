@@ -34,7 +34,7 @@ from turingfold.turing.process import Turing
 
 KEYS = {
     "perimeter", "errors", "no_errors", "step_errors", "no_step_errors", "quadrature_errors",
-    "status", "message", "time", "area_growth", "cortex_growth", "core_growth", "centre_growth",
+    "softness", "status", "message", "time", "area_growth", "cortex_growth", "core_growth", "centre_growth",
     "dofs", "triangles", "elements_through_cortex", "steps", "newton_iterations", "factorizations",
     "seconds", "seconds_by_part", "growth", "energy", "residual", "negative_pivots", "saddles", "snaps",
     "damped_steps",

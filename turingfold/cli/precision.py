@@ -17,6 +17,8 @@ from pathlib import Path
 
 from ..results.files import read_json, writing
 from ..results.reading import Ending, read_ending
+from ..results.simulate import ENOUGH
+from ..results.softness import soft_words
 from .case import Case, find_case, folder_name
 from .outcome import Outcome
 from .plan import Planned, base_folder, given_values, planned
@@ -27,7 +29,7 @@ from .summary import named
 from .trials import Errors, Size, Trial, best, onward
 
 ELEMENTS = "elements"
-FIRST, FEWEST = 0.5, 2.0  # elements of the first run: share of the case's own, and at least
+FIRST = 0.5  # elements of the first run, as a share of the case's own, and at least ENOUGH
 ASIDE = ".best"  # folder of the best run while another one takes its place
 FINAL = ("refused", "killed", "failed", "interrupted")  # ends of a run after which no other would do better
 
@@ -45,7 +47,7 @@ def run_to(accuracy: float, request: Request, running: Running) -> Answer:
     own = case.provenance(given_values(case, request)[0], quick=request.quick)["parameters"][ELEMENTS]
     search = _Search(case, request, running)
     _move_back(search.base)
-    size: Size | None = Size(_allowed(case, max(FEWEST, FIRST * own)))
+    size: Size | None = Size(_allowed(case, max(ENOUGH, FIRST * own)))
     try:
         while size is not None:
             search.run(size)
@@ -221,6 +223,8 @@ def _judged(
         for errors in ("errors", "step_errors"):
             if not summary[errors]:
                 return Trial(size, why=f"scene {one.name!r}: {summary[f'no_{errors}']}")
+        if soft := soft_words(summary["softness"]):
+            return Trial(size, why=f"scene {one.name!r}: {soft}")
         found += [((one.name, name), summary) for name in summary["errors"] if summary[name]]
         folds[one.name] = summary["folds"]
     return Trial.judged(size, Errors(

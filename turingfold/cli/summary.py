@@ -10,6 +10,7 @@ from ..figures.sections import areas
 from ..figures.style import sulci
 from ..results.holding import holding_words
 from ..results.result import Result
+from ..results.softness import soft_words
 from ..results.units import length_unit, with_error
 from .case import folder_name
 
@@ -121,6 +122,7 @@ def _stability(s: Mapping[str, Any]) -> str:
         words.append(f"{s['snaps']} of {s['steps']} reached by a snap")
     if s["damped_steps"]:
         words.append(f"{s['damped_steps']} of {s['steps']} damped, where walls met")
+    words += [soft] if (soft := soft_words(s["softness"])) else []
     return "; ".join(words)
 
 

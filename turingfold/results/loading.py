@@ -53,5 +53,5 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     return Result(
         scene, tuple(states), tuple(history), ending.status, ending.message, seconds, ending.seconds_by_part,
         ending.errors, ending.no_errors, ending.step_errors or {}, ending.no_step_errors,
-        ending.quadrature_errors or {},
+        ending.quadrature_errors or {}, ending.softness,
     )  # fmt: skip

@@ -18,12 +18,13 @@ from .lock import writer
 NOT_YET = "Its program did not estimate errors."
 LATER: Mapping[str, object] = {
     "errors": {}, "no_errors": NOT_YET, "step_errors": None, "no_step_errors": NOT_YET,
-    "quadrature_errors": None,
+    "quadrature_errors": None, "softness": None,
 }  # fmt: skip
 KINDS: dict[str, type | tuple[type, ...]] = {
     "status": str, "message": str, "seconds": (int, float), "seconds_by_part": dict, "time": (int, float),
     "steps": int, "errors": dict, "no_errors": str, "step_errors": (dict, NoneType),
     "no_step_errors": str, "quadrature_errors": (dict, NoneType),
+    "softness": (int, float, NoneType),
 }  # fmt: skip
 
 
@@ -45,6 +46,7 @@ class Ending:
     step_errors: Mapping[str, float] | None = None
     no_step_errors: str = ""
     quadrature_errors: Mapping[str, float] | None = None
+    softness: float | None = None
 
 
 def read_ending(path: Path) -> Ending:

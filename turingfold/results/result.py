@@ -49,6 +49,8 @@ class Result:
     `estimate`; quadrature_errors: the part of its integration points, see `quadrature_error`.  step_errors:
     how far the steps do, see `step_error`; 0 for an equilibrium, which depends on none. Empty where they were
     not asked for, or there are none: no_errors and no_step_errors then say why.
+    softness: what share of its stiffness the softest displacement of the last state keeps, see `softness`;
+    None where errors were not asked for, and of motions.
     Raises ValueError for another status.
     """
 
@@ -64,6 +66,7 @@ class Result:
     step_errors: Mapping[str, float] = field(default_factory=dict)
     no_step_errors: str = ""
     quadrature_errors: Mapping[str, float] = field(default_factory=dict)
+    softness: float | None = None
 
     def __post_init__(self) -> None:
         one_of("status", self.status, STATUSES)
@@ -263,7 +266,7 @@ class Result:
         area_growth, cortex_growth, core_growth, centre_growth, inverted_elements, sulcal_depth,
         mirror_error: `measures`.
         perimeter: length of the pial surface, m.  errors, no_errors, step_errors, no_step_errors,
-        quadrature_errors: as in `Result`; of steps and quadrature None where there are none.
+        quadrature_errors, softness: as in `Result`; of steps and quadrature None where there are none.
         seconds_by_part: s.
         """
         body, rows = self.scene.body, self.history
@@ -296,6 +299,7 @@ class Result:
             "step_errors": dict(self.step_errors) or None,
             "no_step_errors": self.no_step_errors,
             "quadrature_errors": dict(self.quadrature_errors) or None,
+            "softness": self.softness,
             "converged": self.converged,
         }
 

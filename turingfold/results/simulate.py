@@ -279,6 +279,7 @@ class _Run:
         """Return a result with how far its last numbers are off by the mesh and by the steps."""
         from .estimate import estimated
         from .quadrature_error import quadrature_errors
+        from .softness import softness
         from .step_error import step_errors
 
         if self.folder is not None:  # it is not lost if this is interrupted
@@ -286,6 +287,7 @@ class _Run:
         last, times = self.history[-1], [row["time"] for row in self.history]
         mesh = self._tried("error estimate", lambda: estimated(self.problem, result.last))
         rule = self._tried("error estimate", lambda: quadrature_errors(self.problem, result.last))
+        soft = self._tried("error estimate", lambda: {"softness": softness(self.problem, result.last)})
         steps: tuple[dict[str, float], str] = {}, "The march stopped."
         if result.status != "stopped":
             steps = self._tried(
@@ -295,6 +297,7 @@ class _Run:
         return replace(
             result, seconds=self._seconds(), seconds_by_part=self._parts(), errors=mesh[0], no_errors=mesh[1],
             step_errors=steps[0], no_step_errors=steps[1], quadrature_errors=rule[0],
+            softness=soft[0].get("softness"),
         )  # fmt: skip
 
     def _tried(self, part: str, estimate: Callable[[], dict[str, float]]) -> tuple[dict[str, float], str]:
