@@ -278,7 +278,7 @@ def test_the_values_of_tissue_can_be_given():
 def test_a_level_above_which_lies_the_edge_of_the_picture_is_pointed_out():
     shades = np.where(black_on_white("uint8") == 0, 40, 230) + np.arange(141) % 7
     with pytest.warns(
-        UserWarning, match=r"above the level 128 fill 100% of the edges .* the image's negative"
+        UserWarning, match=r"above the level 128 fill 100% of the image's edges, .* its negative"
     ):
         sections(shades, level=128, pixel_mm=0.5)
     (section,) = sections(-shades, level=-128, pixel_mm=0.5)

@@ -80,6 +80,9 @@ def test_a_header_in_latin_1_is_read(tmp_path):
         ("# units: cm", 1e-2),
         ("# x (mm), y (mm)\nx,y", 1e-3),
         ("% all coordinates in inches", 0.0254),
+        ("#x,y\n#mm,mm", 1e-3),
+        ("# Units (um)", 1e-6),
+        ("# in mm", 1e-3),
         ("# seen in the microscope (10x), unit tests passed, smoothed by 2 mm", 0),
     ],
 )
@@ -97,6 +100,7 @@ def test_the_unit_is_that_of_the_header(tmp_path, header, unit):
         ("x,y\nvoxels,voxels", "voxels"),
         ("# units: arbitrary", "arbitrary"),
         ("# x [dm], y [dm]", "dm"),
+        ("# 1 unit = 0.05 mm", "0.05 mm"),
     ],
 )
 def test_a_unit_that_is_not_known_is_refused_unless_one_is_given(tmp_path, header, word):

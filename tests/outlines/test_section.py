@@ -113,7 +113,7 @@ def test_an_open_surface_is_closed_with_a_word():
     [
         ({"at": 40}, r"at=40 m: the coronal planes .* from -0\.055 to 0\.055 m\. 40 mm would be at=0\.04"),
         ({"plane": "frontal"}, "plane='frontal'"),
-        ({"unit": "inch"}, "unit='inch'"),
+        ({"unit": "furlong"}, "unit='furlong'"),
         ({"pial": "lh.pial"}, r"no file lh\.pial"),
         ({"pial": (torus()[0], torus()[1] + 1)}, "name vertices beyond"),
         ({"pial": (torus()[0][:, :2], torus()[1])}, r"shape .*; it must be \(n, 3\)"),

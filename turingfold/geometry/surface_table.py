@@ -16,7 +16,7 @@ from ..checks import file_path, finite_array, one_of
 from .body import Body
 from .curve import Curve
 from .paths import Curves
-from .units import KNOWN, unit_of
+from .units import KNOWN, unit_of, unit_of_name
 
 Places = tuple[float, ...] | tuple[tuple[float, float], ...]
 BETWEEN = ("linear", "nearest")
@@ -223,6 +223,7 @@ def _header(name: str, header: Sequence[str]) -> list[tuple[str, str | None]]:
 
 
 def _scale(column: str, unit: str | None) -> float:
+    unit = unit_of_name(column) if unit is None else unit
     scale = 1.0 if unit in NO_UNIT else unit_of(str(unit))
     if scale is None:
         raise ValueError(

@@ -23,9 +23,14 @@ UNMISTAKABLE = rf"(?<![^\W_])((?:{'|'.join(word for word in ALL if word not in (
 BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
 IN_BRACKETS = re.compile(r".*[\[(]\s*([^\])]*?)\s*[\])]")
 AT_THE_END = re.compile(rf"(?:.*[\W_])?({UNIT})", re.IGNORECASE)
+OF_A_NAME = re.compile(rf".*[\W_]({UNIT})", re.IGNORECASE)
 AMONG_WORDS = re.compile(UNMISTAKABLE, re.IGNORECASE)
 COLUMNS = re.compile(r"\W*(x\b.*?)[,;\s]\s*(y\b.*)", re.IGNORECASE)
-DECLARED = re.compile(r"\bunits?(?:\s+of\s+length)?\s*(?:[:=]|\bis\b|\bare\b)[\s\"'\[(]*([^\W\d_]+)", re.I)
+DECLARED = re.compile(
+    r"\bunits?(?:\s+of\s+length)?\s*(?:[:=]|\bis\b|\bare\b)[\s\"'\[(]*((?:[\d.,]+(?:e[-+]?\d+)?\s*)?[^\W\d_]+)",
+    re.IGNORECASE,
+)
+BRIEF = re.compile(rf"(?:.*\bunits?)?\W*(?:in\s+)?{UNMISTAKABLE}\W*(?:{UNIT})?\W*", re.IGNORECASE)
 SPOKEN = re.compile(
     r"\b(?:coordinates|points|positions|lengths|distances|numbers|values|all)\b[^.;:]*\bin\s+" + UNMISTAKABLE,
     re.IGNORECASE,
@@ -74,10 +79,17 @@ def units_of_header(fields: Sequence[str]) -> list[str]:
 
 
 def units_of_comment(text: str) -> list[str]:
-    """Return the words that stand for units in a comment: "units: cm", "x (mm), y (mm)", "points in mm"."""
+    """Return the words that stand for units in a comment: "units: cm", "x (mm), y (mm)", "mm, mm"."""
     columns = COLUMNS.fullmatch(text.strip())
     found = units_of_header([columns[1].strip(" ,;"), columns[2].strip()]) if columns else []
-    return found or DECLARED.findall(text) or SPOKEN.findall(text)
+    brief = BRIEF.fullmatch(text)
+    return found or DECLARED.findall(text) or SPOKEN.findall(text) or ([brief[1]] if brief else [])
+
+
+def unit_of_name(column: str) -> str | None:
+    """Return the word at the end of a column's name that stands for a unit, as in "thickness_mm"."""
+    found = OF_A_NAME.fullmatch(column)
+    return found[1] if found else None
 
 
 def note_large(source: str, loops: Sequence[Array], remedy: str) -> None:

@@ -130,7 +130,7 @@ def _map(image: Image, level: float | None, plane: str) -> Tissue:
         filled = _of_edges(values == high, plane)
         if filled > FRAME:
             warnings.warn(
-                f"{source}: the value {high:g} fills {filled:.0%} of the edges of its {plane} planes, so "
+                f"{source}: the value {high:g} fills {filled:.0%} of the image's edges, so "
                 f"that {low:g} is taken as tissue; if {high:g} is, give gray={high:g}.",
                 stacklevel=4,
             )
@@ -145,9 +145,8 @@ def _map(image: Image, level: float | None, plane: str) -> Tissue:
     filled = _of_edges(values > least, plane)
     if filled > FRAME:
         warnings.warn(
-            f"{source}: values above the level {least:g} fill {filled:.0%} of the edges of its {plane} "
-            "planes, so that the outline follows them. Where tissue has the lower values, give the image's "
-            "negative.",
+            f"{source}: values above the level {least:g} fill {filled:.0%} of the image's "
+            "edges, so that the outline follows them. Where tissue has the lower values, give its negative.",
             stacklevel=4,
         )
     return Tissue(image, partial(np.less, level)) if known is not None else Tissue(image, np.asarray, least)
