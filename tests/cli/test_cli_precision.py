@@ -1,6 +1,7 @@
 """turingfold run --accuracy: what it chooses, that it keeps what it says, and what it refuses."""
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import pytest
 from turingfold import load, simulate
 from turingfold.cli.case import find_case, load_case
 from turingfold.cli.main import main
-from turingfold.cli.trials import SAFETY, Errors, Size, Trial, best, onward
+from turingfold.cli.trials import SAFETY, Errors, Size, Trial, best, confirmed, judged_anew, onward
 
 CASE = '''"""A patch of cortex that grows, and white matter that may follow. Less than a second."""
 from turingfold import (
@@ -104,11 +105,30 @@ def test_an_estimate_that_another_run_contradicts_is_not_believed():
     assert fine.bounds([coarse])[key] == pytest.approx(0.1 - SAFETY * 0.01 * 1.1)
 
 
-def trial(elements, error):
+def trial(elements, error, value=1.0):
     key = ("only", "energy")
-    return Trial.judged(
-        Size(elements), Errors({key: 1.0}, {key: error / SAFETY}, {key: 0.0}, {"only": 0}), []
-    )
+    errors = Errors({key: value}, {key: error / SAFETY}, {key: 0.0}, {"only": 0})
+    return Trial.judged(Size(elements), errors, [])
+
+
+def test_a_run_before_a_snap_is_refuted_by_two_finer_ones_past_it_and_not_by_one():
+    before, past, finer = trial(3, 0.01, 1.08), trial(5, 0.01, 1.11), trial(6, 0.008, 1.113)
+    two = judged_anew([before, past])
+    assert [round(one.worst, 3) for one in two] == [0.018, 0.017]  # what the estimates leave of 0.03
+    three = judged_anew([before, past, finer])
+    assert three[0].worst > 0.02
+    assert [one.worst for one in three[1:]] == [0.01, 0.008]
+    assert best(three) is three[2]
+    assert judged_anew([Trial(Size(2)), before])[0].worst == math.inf
+
+
+def test_after_a_run_near_a_limit_of_stability_two_others_must_agree():
+    soft = Trial(Size(3), soft=True)
+    assert onward([soft], 0.01, float).elements == pytest.approx(3.9)
+    assert confirmed([trial(3.9, 0.001)])
+    assert not confirmed([soft, trial(3.9, 0.001)])
+    assert onward([soft, trial(3.9, 0.001)], 0.01, float).elements == pytest.approx(5.07)
+    assert confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001)])
 
 
 def test_after_a_run_that_is_no_better_comes_a_finer_one_by_the_best():

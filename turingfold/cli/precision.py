@@ -26,7 +26,7 @@ from .request import Request, Running
 from .run import answered, check_figure, outcomes
 from .status import STOPPED, Answer, Interrupted, complain, say
 from .summary import named
-from .trials import Errors, Size, Trial, best, onward
+from .trials import Errors, Size, Trial, confirmed, judged_anew, onward
 
 ELEMENTS = "elements"
 FIRST = 0.5  # elements of the first run, as a share of the case's own, and at least ENOUGH
@@ -55,7 +55,7 @@ def run_to(accuracy: float, request: Request, running: Running) -> Answer:
     except Interrupted:
         if not search.trials:
             raise
-        complain(f"the run with {best(search.trials).size} is kept")
+        complain(f"the run with {search.trials[search.kept].size} is kept")
         raise KeyboardInterrupt from None
     return search.answer(accuracy)
 
@@ -69,7 +69,8 @@ class _Search:
     running: Running
     trials: list[Trial] = field(default_factory=list)
     ends: list[Outcome] = field(default_factory=list)
-    best_ends: list[Outcome] = field(default_factory=list)
+    kept: int = 0  # number of the run whose results are kept
+    kept_ends: list[Outcome] = field(default_factory=list)
 
     @property
     def base(self) -> Path:
@@ -93,9 +94,10 @@ class _Search:
         _refuse_motion(self.case, plan)
         with self._another(plan):
             self.ends = list(outcomes(self.case, plan, asked, self.how(size)))
-            self.trials.append(_judged(size, self.base, plan, self.ends, self.trials))
-            if self.trials[-1] is best(self.trials):
-                self.best_ends = self.ends
+            last = _judged(size, self.base, plan, self.ends)
+            self.trials = judged_anew([*self.trials, last])
+            if not self.kept_ends or self.trials[-1].worst < self.trials[self.kept].worst:
+                self.kept, self.kept_ends = len(self.trials) - 1, self.ends
         say(f"run {len(self.trials)}, {size}: {_told(self.trials[-1], plan)}")
 
     @contextmanager
@@ -108,37 +110,37 @@ class _Search:
             yield
         finally:
             if count:
-                if len(self.trials) == count or self.trials[-1] is not best(self.trials):
+                if self.kept != count:
                     _move(aside, self.base, plan)
                 shutil.rmtree(aside, ignore_errors=True)
 
     def next(self, accuracy: float) -> Size | None:
         """Return the size of the next run; None where the accuracy is reached, or there is none to try."""
         limited = math.isfinite(self.running.max_seconds)  # a finer run would need longer
-        if best(self.trials).worst <= accuracy or any(
-            end.status in FINAL or (limited and end.status == "stopped") for end in self.ends
-        ):
+        reached = self.trials[self.kept].worst <= accuracy and confirmed(self.trials)
+        if reached or any(end.status in FINAL or (limited and end.status == "stopped") for end in self.ends):
             return None
         return onward(self.trials, accuracy, lambda elements: _allowed(self.case, elements))
 
     def answer(self, accuracy: float) -> Answer:
         """Say what was reached, and what the best run has found; raises ValueError without an estimate."""
-        own = best(self.trials)
+        own = self.trials[self.kept]
         plan = planned(self.case, self.asked(own.size))
-        if own.errors is None and all(end.status == "converged" for end in self.best_ends):
+        if own.errors is None and all(end.status == "converged" for end in self.kept_ends):
             raise ValueError(
                 f"{self.case.shown}, {own.size}: --accuracy finds no estimate of its errors: {own.why}; "
                 f"leave --accuracy out, or set {ELEMENTS} by hand."
             )
-        answer = answered(self.case, plan, self.best_ends, self.asked(own.size), self.how(own.size))
+        answer = answered(self.case, plan, self.kept_ends, self.asked(own.size), self.how(own.size))
         if own.errors is None:
             return answer
-        others = [one.errors for one in self.trials if one is not own and one.errors is not None]
-        worst = max(own.errors.bounds(others).values())
-        if any(other.folds != own.errors.folds for other in others[-1:]):
+        worst, others = own.worst, [one.errors for one in self.trials if one is not own]
+        if any(other is not None and other.folds != own.errors.folds for other in others[-1:]):
             say("accuracy: other runs have another number of sulci; errors are those of one branch")
         runs = [{**_facts(one.size, one.worst), "no_errors": one.why} for one in self.trials]
         facts = {"asked": accuracy, **_facts(own.size, worst), "runs": runs}
+        if not confirmed(self.trials):
+            worst = math.inf
         reached = max(answer.status, _reached(accuracy, worst, own.size))
         return Answer(reached, {**answer.facts, "accuracy": facts})
 
@@ -210,9 +212,7 @@ def _move_back(base: Path) -> None:
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def _judged(
-    size: Size, base: Path, plan: Sequence[Planned], ends: Sequence[Outcome], before: Sequence[Trial]
-) -> Trial:
+def _judged(size: Size, base: Path, plan: Sequence[Planned], ends: Sequence[Outcome]) -> Trial:
     """Return a run as what it left in its folder says of its errors, or why it says nothing."""
     for end in ends:
         if end.status != "converged":
@@ -224,7 +224,7 @@ def _judged(
             if not summary[errors]:
                 return Trial(size, why=f"scene {one.name!r}: {summary[f'no_{errors}']}")
         if soft := soft_words(summary["softness"]):
-            return Trial(size, why=f"scene {one.name!r}: {soft}")
+            return Trial(size, why=f"scene {one.name!r}: {soft}", soft=True)
         found += [((one.name, name), summary) for name in summary["errors"] if summary[name]]
         folds[one.name] = summary["folds"]
     return Trial.judged(size, Errors(
@@ -232,7 +232,7 @@ def _judged(
         mesh={key: abs(summary["errors"][key[1]] / summary[key[1]]) for key, summary in found},
         steps={key: abs(summary["step_errors"].get(key[1], 0.0) / summary[key[1]]) for key, summary in found},
         folds=folds,
-    ), before)  # fmt: skip
+    ), [])  # fmt: skip
 
 
 def _facts(size: Size, reached: float) -> dict[str, float | None]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 LONGEST = 2.0  # times as fine as the best run yet at most
 RUNS = 7
 SAFETY = 1.4  # of what is claimed: estimates of Figure 3 on eleven meshes were short by 1.32 at most
 ROOM = 0.85  # share of the error asked for that is aimed at
 SLOWEST, USUAL, FASTEST = 0.7, 1.0, 3.0  # orders of the error in the size of the elements
+CONFIRMS = 1.3  # times as many elements: a run near a limit of stability needs two others that far apart
 ANOTHER = 1.12  # times as many elements as the finest run that was no better: errors scatter with the mesh
 Numbers = dict[tuple[str, str], float]  # by scene and name
 
@@ -49,12 +50,22 @@ class Errors:
                     found[key] = max(found[key], apart / abs(self.values[key]))
         return found
 
+    def far_from(self, other: Errors) -> bool:
+        """Return whether a number differs by more than both estimates."""
+        mine, theirs = self.bounds(), other.bounds()
+        return any(
+            abs(self.values[key] - other.values[key])
+            > mine[key] * abs(self.values[key]) + theirs[key] * abs(other.values[key])
+            for key in mine.keys() & theirs.keys()
+        )
+
 
 @dataclass(frozen=True)
 class Trial:
     """A run of all scenes; errors: None where there is no estimate of them.
 
-    worst: the largest relative error, of the number `of`.  why: there is no estimate.
+    worst: the largest relative error, of the number `of`.  why: there is no estimate.  soft: it is near a
+    limit of stability.
     """
 
     size: Size
@@ -62,18 +73,60 @@ class Trial:
     worst: float = math.inf
     of: tuple[str, str] = ("", "")
     why: str = ""
+    soft: bool = False
 
     @classmethod
-    def judged(cls, size: Size, errors: Errors, before: Sequence[Trial]) -> Trial:
-        """Return a run with its worst error, judged also by runs before it."""
-        bounds = errors.bounds([one.errors for one in before if one.errors is not None])
+    def judged(cls, size: Size, errors: Errors, others: Sequence[Trial]) -> Trial:
+        """Return a run with its worst error, judged also by other runs."""
+        own = cls(size, errors)
+        bounds = own.bounds(others)
         of = max(bounds, key=lambda key: bounds[key])
-        return cls(size, errors, bounds[of], of)
+        return replace(own, worst=bounds[of], of=of)
+
+    def bounds(self, others: Sequence[Trial]) -> Numbers:
+        """Return bounds of the relative errors by this run and by others, without those that are refuted.
+
+        A run is refuted where two finer ones lie farther from it than both estimates say: it may have ended
+        before a snap which they are past.
+        """
+        assert self.errors is not None
+        judges = [one for one in (*others, self) if one.errors is not None]
+        left = [
+            one.errors for one in judges
+            if one is not self and one.errors is not None and sum(one.refuted_by(o) for o in judges) < 2
+        ]  # fmt: skip
+        return self.errors.bounds(left)
+
+    def refuted_by(self, other: Trial) -> bool:
+        """Return whether a finer run lies farther from this one than both estimates say."""
+        if self.errors is None or other.errors is None or other.size.elements <= self.size.elements:
+            return False
+        return self.errors.far_from(other.errors)
+
+
+def judged_anew(trials: Sequence[Trial]) -> list[Trial]:
+    """Return all runs, each judged by all others."""
+    return [
+        one if one.errors is None
+        else Trial.judged(one.size, one.errors, [other for other in trials if other is not one])
+        for one in trials
+    ]  # fmt: skip
 
 
 def best(trials: Sequence[Trial]) -> Trial:
     """Return the run with the smallest errors."""
     return min(trials, key=lambda trial: trial.worst)
+
+
+def confirmed(trials: Sequence[Trial]) -> bool:
+    """Return whether runs that have an estimate are enough to be believed.
+
+    One is, but where a run was near a limit of stability: another mesh may then be past it by chance.
+    """
+    judged = [one.size.elements for one in trials if one.errors is not None]
+    return bool(judged) and (
+        not any(one.soft for one in trials) or max(judged) > (CONFIRMS - 0.05) * min(judged)
+    )
 
 
 def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], float]) -> Size | None:
@@ -84,7 +137,9 @@ def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], 
     if len(trials) == RUNS:
         return None
     own, finest = best(trials), max(trial.size.elements for trial in trials)
-    if own.errors is None:
+    if not confirmed(trials) and any(one.soft for one in trials):
+        wanted = Size(allowed(CONFIRMS * finest), own.size.shorter)
+    elif own.errors is None:
         wanted = Size(allowed(ANOTHER * finest), own.size.shorter)
     else:
         wanted = _expected(own, _order(trials), accuracy, allowed)
