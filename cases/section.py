@@ -9,7 +9,8 @@
 
 The cortex is 2.5 mm thick, or as thick as the white surface says, and grows along both of its directions, in
 the plane and across it, to 1.7 times its length; the pial surface touches itself and does not cross. Moduli
-are those of document 1. With skull=0.002 a skull lies 2 mm around the convex hull. Below, the cortex's
+are those of document 1. Of images the steps of the voxels are smoothed away, over 1.5 voxels; smooth=0 keeps
+them. With skull=0.002 a skull lies 2 mm around the convex hull. Below, the cortex's
 thickness along its surface, undeformed and deformed.
 
 Without a file: a hemisphere's outline, r = R (1 + 0.15 cos 2φ - 0.2 e^{-(φ/0.4)²} + 0.03 sin 3φ), R = 25 mm,
@@ -48,7 +49,7 @@ def scenes(
     quick=False, *,
     outline: p.File = "", white: p.WhiteSurface = "", holes: p.Holes = "", gray: p.GrayLabels = "",
     unit: p.Unit = "", plane: p.Plane = "coronal", at: p.At = None, width: p.SectionWidth = None,
-    smooth: p.Smooth = 0.0, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 4,
+    smooth: p.Smooth = None, thickness: p.Thickness = 2.5e-3, elements: p.Elements = 4,
     layers: p.Layers = "sharp",
     young_gray: p.YoungGray = 1389.0, young_white: p.YoungWhite = 1895.0, poisson: p.Poisson = 0.4583,
     cortex: p.Cortex = 1.7, core: p.Core = 1.0, out_of_plane: p.OutOfPlane = "tangential",

@@ -196,7 +196,8 @@ def test_bad_input_is_refused_by_name(change, message):
 def test_an_eight_becomes_its_two_loops_and_says_so():
     at = 2 * np.pi * (np.arange(400) + 0.3) / 400
     eight = np.stack([np.sin(2 * at), 2 * np.sin(at)])
-    body = outline(eight, thickness=0.1, size=0.05)
+    with pytest.warns(UserWarning, match="curve 0 of the pial surface crosses or touches itself"):
+        body = outline(eight, thickness=0.1, size=0.05)
     assert len(body.pial_paths) == 2
     assert "crosses or touches itself" in str(body.changes)
     # even-odd area: both loops count
@@ -207,7 +208,8 @@ def test_an_eight_becomes_its_two_loops_and_says_so():
 
 def test_islands_and_closed_off_sulci_are_part_of_the_pial_surface():
     island = 0.4 * circle() + np.array([[2.0], [0.0]])
-    body = outline([circle(), island, 0.3 * circle()[:, ::-1]], thickness=0.1, size=0.05)
+    with pytest.warns(UserWarning, match=r"1 of 3 closed curves lies inside another.*gyrification.*holes="):
+        body = outline([circle(), island, 0.3 * circle()[:, ::-1]], thickness=0.1, size=0.05)
     lengths = 2 * np.pi * np.array([1.0, 0.4, 0.3])
     found = [body.pial_curves.parts[k].length for k in range(3)]
     assert found == pytest.approx(lengths, rel=1e-6)  # the longest first
@@ -303,11 +305,25 @@ def test_parts_smaller_than_an_element_are_left_out_and_named():
 
 
 def test_closed_off_sulci_smaller_than_an_element_are_filled_and_counted():
-    body = outline([circle(), 0.02 * circle() + 0.3], thickness=0.1, size=0.05)
+    with pytest.warns(UserWarning, match="1 of 2 closed curves lies inside another"):
+        body = outline([circle(), 0.02 * circle() + 0.3], thickness=0.1, size=0.05)
     assert len(body.pial_paths) == 1
     assert body.changes.filled == 1
     assert body.changes.moved < 1e-4
     assert "1 closed-off sulci filled" in str(body.changes)
+    assert "1 closed-off sulci too small for the elements filled" in body.changes.remarks()
+
+
+def test_of_a_smooth_outline_there_is_nothing_to_remark():
+    assert outline([circle(), 0.5 * circle() + 3.0], thickness=0.1, size=0.05).changes.remarks() == ()
+
+
+def test_a_surface_that_moves_farther_than_elements_explain_is_remarked():
+    """A spike of no width goes: its tip is 0.5 away from the circle that is left."""
+    points = np.insert(circle(), 1, [1.5, 0.0], axis=1)
+    found = outline(points, thickness=0.1, size=0.05).changes
+    assert found.moved == pytest.approx(0.5, abs=0.1)
+    assert any("pial surface moved by up to" in remark for remark in found.remarks())
 
 
 def test_what_makes_a_thin_cortex_one_element_thick_is_told_apart():

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..geometry.changes import OutlineWarning
 from ..models.declared import as_text, find
 from ..results.files import read_json
 from ..scene import Scene
 from ..studies.sweep import is_part, read_values, varied
 from .case import Case, check_apart, folder_name
+from .notes import note_made
 from .request import Request
 
 
@@ -47,6 +50,7 @@ def planned(case: Case, request: Request) -> list[Planned]:
     Raises ValueError for scenes that it does not have.
     """
     own, parts = given_values(case, request)
+    warnings.simplefilter("ignore", OutlineWarning)  # it is noted with all else that was changed
     every = case.scenes(own, quick=request.quick)
     check_apart(every, case.path)
     if unknown := [name for name in request.only if name not in every]:
@@ -56,10 +60,11 @@ def planned(case: Case, request: Request) -> list[Planned]:
     provenance |= {"scenes": list(every), "command": request.words()}
     if parts:
         provenance["parts"] = parts
+    chosen = {name: scene for name, scene in every.items() if not request.only or name in request.only}
+    note_made(case, own, chosen, quick=request.quick)
     return [
         Planned(name, _with_parts(name, scene, parts), provenance | {"scene": name})
-        for name, scene in every.items()
-        if not request.only or name in request.only
+        for name, scene in chosen.items()
     ]
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from ..figures.grids import grid
 from ..figures.style import sulci
+from ..geometry.changes import OutlineWarning
 from ..results.files import writing
 from ..results.folder import expected_size
 from ..results.loading import read_result
@@ -26,6 +27,7 @@ from .cluster import LOCAL, run_on_cluster
 from .design import Design, points
 from .figure import save_figure
 from .idle import idle_words, unusual
+from .notes import note_made
 from .outcome import STATUSES, Outcome
 from .plan import base_folder, has_result
 from .point import RECORD, Maker, Point, frames_of, is_taken
@@ -72,11 +74,13 @@ def sweep(request: Request, design: Design, running: Running, asked: Asked) -> A
     """
     case = find_case(request.case)
     base = base_folder(case, request)
+    warnings.simplefilter("ignore", OutlineWarning)  # it is noted of the first point
     every, maker = points(case, request, design, base, asked.keep)
     command = request.words(*running.words())
     plan = [replace(one, running=running, command=command) for one in _part(every, asked.task)]
     _check(request, running, asked, plan)
     _note_idle(case, request, every)
+    note_made(case, plan[0].given if plan else {}, maker.latest, quick=request.quick)
     again = running.resume or (asked.task is not None and not running.overwrite)
     ends = _ended(plan, running, again=again)
     left = deque(one for one in plan if one.name not in ends)

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SolveError
+from ..geometry.changes import OutlineWarning
 from ..results.document import rebuilt, stored
 from ..results.result import Row
 from ..results.simulate import FRAMES, CoarseMeshWarning, simulate
@@ -177,7 +178,8 @@ def _serve(link: Connection) -> None:
             job, running, *rest = link.recv()
             quiet = running.telling is Telling.NOTHING
             warnings.simplefilter("ignore" if quiet else "default", UserWarning)
-            warnings.simplefilter("ignore", CoarseMeshWarning)
+            for told in (CoarseMeshWarning, OutlineWarning):  # of all, by the process that started this one
+                warnings.simplefilter("ignore", told)
             try:
                 answer: Any
                 if isinstance(job, Point):

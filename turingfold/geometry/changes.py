@@ -6,6 +6,12 @@ from dataclasses import dataclass, replace
 
 from ..arrays import Array
 
+MUCH = 0.01  # share of the area, or of the cortex, from which on a change is worth a word
+
+
+class OutlineWarning(UserWarning):
+    """A body is not what a measured outline says."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
@@ -18,8 +24,9 @@ class Changes:
     white surfaces; None without the latter.  thickened: the part of it by which the cortex becomes one
     element thick where it is given thinner, as on the medial wall.  dropped: (x, y, area) of pieces too small
     for the elements; m and m².  filled: number of closed-off sulci that are too small.  smallest_angle: of
-    the triangles, degrees.  notes: what was repaired, in words.
-    Results of earlier versions do not tell moved_at_walls, thickened and filled: None.
+    the triangles, degrees.  notes: what was repaired, in words.  expected: what elements and smoothing of a
+    smooth outline move its surface by at most, m.
+    Results of earlier versions do not tell moved_at_walls, thickened, filled and expected: None.
     """
 
     moved: float
@@ -32,6 +39,7 @@ class Changes:
     thickened: float | None = None
     filled: int | None = None
     notes: tuple[str, ...] = ()
+    expected: float | None = None
 
     def placed(self, centre: Array, unit: float, smallest_angle: float) -> Changes:
         """Return the changes in m of what was made in units of `unit` around `centre`, (2, 1), m."""
@@ -44,6 +52,18 @@ class Changes:
             dropped=tuple(dropped),
             smallest_angle=smallest_angle,
         )
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return what the user of an outline should know, in words; nothing of a smooth one."""
+        area = sum(piece[2] for piece in self.dropped)
+        told = {
+            f"pial surface moved by up to {self.moved:.3g} m": self.moved > (self.expected or float("inf")),
+            f"area lost {self.lost:.2%}, filled {self.added:.2%}": self.lost + self.added > MUCH,
+            f"cortex {self.cortex or 0.0:+.2%}": abs(self.cortex or 0.0) > MUCH,
+            f"{len(self.dropped)} pieces too small for the elements left out, {area:.2g} m²": self.dropped,
+            f"{self.filled} closed-off sulci too small for the elements filled": self.filled,
+        }
+        return (*self.notes, *(words for words, holds in told.items() if holds))
 
     def __str__(self) -> str:
         told = [

@@ -92,12 +92,23 @@ def unit_of_name(column: str) -> str | None:
     return found[1] if found else None
 
 
-def note_large(source: str, loops: Sequence[Array], remedy: str) -> None:
-    """Warn of curves (2, n) of 10 m or more: their numbers are probably millimetres."""
+def note_large(source: str, loops: Sequence[Array], remedy: str, unit: float | None = None) -> None:
+    """Warn of curves (2, n) of 10 m or more: their numbers are probably millimetres.
+
+    unit: in which they were read, m, if it was stated: then that is wrong. A single point far off makes no
+    curve large.
+    """
     if not loops:
         return
     points = np.concatenate(list(loops), axis=1)
     width, height = np.ptp(points, axis=1)
-    if max(width, height) >= LARGE:
-        words = f"{source} is {width:g} by {height:g} large, read as metres; if they are mm, {remedy}."
-        warnings.warn(words, stacklevel=3)
+    most = np.ptp(np.quantile(points, (0.05, 0.95), axis=1), axis=0)
+    if max(width, height) < LARGE or max(most) < LARGE / 2:
+        return
+    words = f"{source} is {width:g} by {height:g} large, read as metres; if they are mm, {remedy}."
+    if unit is not None:
+        words = (
+            f"{source} is {width:g} by {height:g} m large, its numbers read in units of {unit:g} m, as "
+            "stated; if they are in others, give unit=."
+        )
+    warnings.warn(words, stacklevel=3)

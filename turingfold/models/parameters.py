@@ -65,7 +65,7 @@ Unit = Annotated[str, Parameter(label="unit of the file's numbers, or a pixel's 
 Plane = Annotated[str, Parameter(label="plane of the section", choices=("coronal", "sagittal", "axial"))]
 At = Annotated[float | None, Parameter("m", -0.3, 0.3, "where the plane cuts surfaces and volumes")]
 SectionWidth = Annotated[float | None, Parameter("m", 1e-3, 0.3, "width of the section, left to right")]
-Smooth = Annotated[float, Parameter("m", 0, 0.02, "details of the outline below this go")]
+Smooth = Annotated[float | None, Parameter("m", 0, 0.02, "details of the outline below this go")]
 SkullGap = Annotated[float | None, Parameter("m", 1e-5, 0.05, "gap from the convex hull to the skull")]
 OwnThickness = Annotated[float | None, Parameter("m", 1e-4, 0.02, "thickness of the cortex at the start")]
 Closing = Annotated[float, Parameter("m", 1e-4, 0.05, "radius of the disc that fills sulci")]

@@ -12,7 +12,7 @@ from ..checks import file_path, positive
 from ..geometry.units import metres
 from .image import PICTURES
 from .mask import sections
-from .read import COLUMNS, read_outline
+from .read import COLUMNS, contours
 from .section import Section
 from .surface import surface_section
 
@@ -36,8 +36,9 @@ def read_section(
     width: of the section from left to right, to which it is scaled; m.
     Raises ValueError for files that cannot be read, and where a picture has neither unit nor width.
     """
-    unit = unit or ("" if width is None else "mm")  # any will do
     kind = _ending(outline)
+    if width is not None and kind in (".svg", *COLUMNS, *PICTURES):
+        unit = unit or "nm"  # any will do; in this one nothing is too large
     if kind in (".svg", *COLUMNS):
         found = _drawn(outline, white, holes, unit)
     elif kind in (*PICTURES, *VOLUMES):
@@ -53,19 +54,19 @@ def read_section(
 
 def _drawn(outline: str | Path, white: str, holes: str, unit: str) -> Section:
     """Return the curves of a drawing or of points, and those of others files or names of the drawing."""
-    whole = read_outline(outline, unit=_unit(unit))
+    whole = contours(outline, unit=_unit(unit))
 
     def others(given: str) -> tuple[Array, ...]:
         if not given:
             return ()
         if _ending(outline) == ".svg" and not Path(given).is_file():
-            return read_outline(outline, name=given, unit=_unit(unit)).loops
-        return read_outline(given, unit=_unit(unit)).loops
+            return contours(outline, given, _unit(unit)).loops
+        return contours(given, unit=_unit(unit)).loops
 
     inner, ventricles = others(white), others(holes)
     apart = [loop.tobytes() for loop in (*inner, *ventricles)]
     pial = [loop for loop in whole.loops if loop.tobytes() not in apart]
-    return Section(pial, inner, ventricles, source=whole.source)
+    return Section(pial, inner, ventricles, source=whole.source, unit=whole.unit)
 
 
 def _imaged(
@@ -119,4 +120,5 @@ def _scaled(section: Section, width: float) -> Section:
     pial, white, holes = (
         [scale * curve for curve in curves] for curves in (section.pial, section.white, section.holes)
     )
-    return replace(section, pial=pial, white=white, holes=holes, position=None)
+    voxel = None if section.voxel is None else scale * section.voxel
+    return replace(section, pial=pial, white=white, holes=holes, position=None, voxel=voxel)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,6 +51,7 @@ def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array
     """Return the closed curves (2, n) in a file, and the length in m of the unit it states, if it does.
 
     unit_is_given: what the file states does not matter.
+    Warns of points far from both their neighbours, by the number of the line.
     Raises ValueError with the number of the line for fields that are no numbers, for curves of fewer than
     three points, and for closed curves that follow each other without a blank row; for an unknown unit.
     """
@@ -150,7 +152,28 @@ def _closed(curve: list[tuple[float, float, int]], name: str) -> Array:
             f"{name}, lines {line} and {curve[joint][2]}: closed curves begin here, joined to one; put a "
             "blank row between them."
         )
+    if far := _far_off(points):
+        shown = "; ".join(
+            f"line {curve[k][2]}: ({x:g}, {y:g}) is {times:.2g} times as far from both its neighbours as "
+            "others are"
+            for (k, times), (x, y) in zip(far, points[:, [k for k, _ in far]].T.tolist(), strict=True)
+        )
+        warnings.warn(f"{name}, {shown}; is a digit or the decimal sign wrong?", stacklevel=4)
     return points
+
+
+def _far_off(points: Array) -> list[tuple[int, float]]:
+    """Return the points that lie far from both their neighbours though these are near each other.
+
+    With each the distance, over the median distance of neighbours.
+    """
+    before, after = np.roll(points, 1, axis=1), np.roll(points, -1, axis=1)
+    usual = float(np.median(np.hypot(*(points - before))))
+    if usual == 0:
+        return []
+    away = np.minimum(np.hypot(*(points - before)), np.hypot(*(after - points)))
+    near = np.maximum(np.hypot(*(after - before)), usual)
+    return [(k, float(away[k] / usual)) for k in np.flatnonzero(away > JUMP * near).tolist()]
 
 
 def _joint(points: Array) -> int:

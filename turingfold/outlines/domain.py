@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from shapely import LineString, MultiPolygon, Polygon
+from shapely import LineString, MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array
@@ -39,7 +39,7 @@ DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the 
 class Given:
     """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes.
 
-    notes: on what was left out of them.
+    notes: on what was left out of them.  doubts: on what they may not be meant to be.
     """
 
     pial: list[Array]
@@ -47,6 +47,7 @@ class Given:
     white: list[Array] | None
     holes: list[Array]
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,13 +221,5 @@ def _changes(
         dropped=tuple((one.centroid.x, one.centroid.y, one.area) for one in dropped),
         filled=len(filled),
         smallest_angle=float("nan"),
-        notes=(*given.notes, *_crossing(given.pial)),
+        notes=(*given.notes, *given.doubts),
     )
-
-
-def _crossing(loops: list[Array]) -> list[str]:
-    return [
-        f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
-        for k, loop in enumerate(loops)
-        if not Polygon(loop.T).is_valid
-    ]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 from scipy.spatial import cKDTree
+from shapely import Polygon
 
 from ..arrays import Array, Integers
 from ..checks import finite_array, real_array
@@ -57,12 +58,15 @@ def _closed(name: str, points: Any, fewest: int) -> Array:
     return np.array(curve if x @ np.roll(y, -1) > y @ np.roll(x, -1) else curve[:, ::-1])
 
 
-def large_enough(name: str, loops: list[Array], size: float) -> tuple[list[Array], list[str]]:
-    """Return the loops that are at least size/2 wide or high, and a note on the others.
+def large_enough(
+    name: str, loops: list[Array], size: float, voxel: float = 0.0
+) -> tuple[list[Array], list[str]]:
+    """Return the loops that are at least size/2 and 1.5 voxels wide or high, and a note on the others.
 
     Raises ValueError if all are smaller.
     """
-    kept = [loop for loop in loops if np.ptp(loop, axis=1).max() >= 0.5 * size]
+    least, what = max((0.5 * size, "half an element"), (1.5 * voxel, "1.5 voxels"))
+    kept = [loop for loop in loops if np.ptp(loop, axis=1).max() >= least]
     if not kept:
         widest = max(float(np.ptp(loop, axis=1).max()) for loop in loops)
         raise ValueError(
@@ -70,7 +74,7 @@ def large_enough(name: str, loops: list[Array], size: float) -> tuple[list[Array
             f"smaller elements (size={size:.3g} m), and the same unit for all curves."
         )
     fewer = len(loops) - len(kept)
-    return kept, [f"{fewer} curves of {name} smaller than half an element left out"] if fewer else []
+    return kept, [f"{fewer} curves of {name} smaller than {what} left out"] if fewer else []
 
 
 def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[int, int, int]]:
@@ -102,6 +106,28 @@ def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[
             )
         bases.append((k, first, last))
     return bases
+
+
+def crossing(loops: list[Array]) -> list[str]:
+    """Return a note on each curve that crosses itself."""
+    return [
+        f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
+        for k, loop in enumerate(loops)
+        if not Polygon(loop.T).is_valid
+    ]
+
+
+def inside(loops: list[Array]) -> list[str]:
+    """Return a note on curves that lie inside others, and so enclose a sulcus or an island in one."""
+    tree = shapely.STRtree(areas := [shapely.make_valid(Polygon(loop.T)) for loop in loops])
+    found = {k for k, other in tree.query(areas, predicate="within").T.tolist() if k != other}
+    if not found:
+        return []
+    where, what = ("lies inside another", "it is") if len(found) == 1 else ("lie inside others", "they are")
+    return [
+        f"{len(found)} of {len(loops)} closed curves {where}; {what} taken as pial surface, of closed-off "
+        "sulci, which counts in the gyrification index; ventricles are given as holes="
+    ]
 
 
 @dataclass(frozen=True, eq=False)

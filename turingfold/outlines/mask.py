@@ -45,7 +45,8 @@ def sections(
     pixel_mm: the edge of a pixel, for pictures and arrays with two axes.
 
     The curves are those of marching squares, linear between the centres of voxels. A label counts as 1 inside
-    and 0 outside, so that its curve runs midway: it keeps the voxels' area, and their steps.
+    and 0 outside, so that its curve runs midway: it keeps the voxels' area, and their steps, which `outline`
+    smooths away from a `Section`.
     Raises ValueError for what cannot be read, and for planes and labels that the image does not have.
     """
     one_of("plane", plane, tuple(PLANES))
@@ -63,7 +64,8 @@ def mask_outline(
 ) -> Array:
     """Return the closed curve (2, n) that encloses the most in a section of a mask; m.
 
-    The arguments are those of `sections`, of an image without labels. Warns of parts outside the curve.
+    The arguments are those of `sections`, of an image without labels. The curve has the steps of the voxels:
+    give `outline` the length of one as smooth=, or the `Section`. Warns of parts outside the curve.
     """
     one_of("section", section, tuple(PLANES))
     (found,) = sections(path, plane=section, index=index, level=level)
@@ -125,7 +127,9 @@ def _section(tissues: dict[str, Tissue], plane: str, index: int) -> Section:
     white = _curves(image, plane, _tissue(below, plane, index), level, index) if "white" in below else ()
     holes = _curves(image, plane, below["hole"].at(plane, index), level, index) if "hole" in below else ()
     position = image.position(plane, index) if image.placed else None
-    return Section(pial, white, holes, plane, position, f"{image.source}, {plane} plane {index}")
+    source = f"{image.source}, {plane} plane {index}"
+    edge = float(np.linalg.norm(image.frame(plane, index)[1], axis=0).max())
+    return Section(pial, white, holes, plane, position, source, voxel=edge)
 
 
 def _curves(image: Image, plane: str, share: Array, level: float, index: int) -> tuple[Array, ...]:

@@ -63,8 +63,20 @@ def read_outline(
     name: id or label of the shapes (or of the group or layer that they are in) to read; left out: all.
     unit: of the file's coordinates, "m", "cm", "mm", "um", "nm", "in" or metres; left out: as the file says,
     and if it states none, the numbers are returned as they are.
+    Warns of single points of columns that lie far off, and of curves of 10 m and more.
     Raises ValueError for other files, and for what cannot be read, with its place.
     """
+    found = contours(path, name, unit, samples)
+    if unit is None:
+        header = "" if Path(path).suffix.lower() == ".svg" else ' or the header "x (mm),y (mm)"'
+        note_large(found.source, found.loops, f'give unit="mm"{header}', found.unit)
+    return found
+
+
+def contours(
+    path: str | Path, name: str = "", unit: str | float | None = None, samples: int = 24
+) -> Contours:
+    """Return what `read_outline` returns, without a word on curves that are too large."""
     file = file_path("path", path, "a CSV or SVG file")
     given = None if unit is None else metres(unit)
     kind = file.suffix.lower()
@@ -82,7 +94,4 @@ def read_outline(
         raise ValueError(f"{file.name} ends in {file.suffix!r}; outlines are read from {known} and .svg.")
     used = stated if given is None else given
     scaled = tuple(loop * (used or 1.0) for loop in loops)
-    if given is None:
-        header = "" if kind == ".svg" else ' or the header "x (mm),y (mm)"'
-        note_large(file.name, scaled, f'give unit="mm"{header}')
     return Contours(scaled, tuple(names), used, file.name)

@@ -24,6 +24,8 @@ class Section:
     plane: "coronal" (x to the right, y up), "sagittal" (x forward, y up), "axial" (x right, y forward).
     position: of the plane along right, anterior or superior; m, None where it is not known.
     source: where the curves come from.
+    voxel: edge of the voxels whose steps the curves have; m, None where they have none.
+    unit: that the file of the curves states; m, None where it states none.
     """
 
     pial: Sequence[Array]
@@ -32,6 +34,8 @@ class Section:
     plane: str = "coronal"
     position: float | None = None
     source: str = ""
+    voxel: float | None = None
+    unit: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("pial", "white", "holes"):
@@ -45,7 +49,8 @@ class Section:
             object.__setattr__(self, name, curves)
         if not self.pial:
             raise ValueError("pial holds no curve; give at least one closed curve.")
-        note_large(self.source or "the section", self.pial, "give metres")
+        remedy = 'say so by unit="mm" or in the file\'s header' if self.source else "give metres"
+        note_large(self.source or "the section", self.pial, remedy, self.unit)
 
     def thickness(self) -> tuple[Array, ...]:
         """Return the thickness of the cortex at the points of each pial curve, (n,) of each; m.

@@ -260,6 +260,8 @@ class _Run:
         made = " ".join(f"{name} {own}" for name, own in origin()["versions"].items())
         self._log(f"{self.command}\n{made}")
         body = self.scene.body
+        for remark in body.changes.remarks() if body.changes is not None else ():
+            self._log(f"outline: {remark}")
         self._log(f"{body.mesh.nelements} triangles, {body.elements_through_cortex:.2g} through the cortex")
 
     def _where(self) -> str:

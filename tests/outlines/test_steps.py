@@ -1,0 +1,102 @@
+"""Steps of voxels: discs, ellipses and waves, of known length and area, drawn in voxels and read again."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from planar import area
+
+from turingfold import Section, find_folds, gyrification_index, outline, perimeter, sections
+from turingfold.cli.case import load_case
+
+CASE = Path(__file__).parents[2] / "cases" / "section.py"
+T = 2.5e-3
+ANGLE = np.linspace(0.0, 2 * np.pi, 100_000, endpoint=False)
+
+
+def disc(angle):
+    return 25e-3 + 0 * angle
+
+
+def ellipse(angle):
+    return 1 / np.hypot(np.cos(angle) / 30e-3, np.sin(angle) / 20e-3)
+
+
+def wavy(angle):
+    """13 waves of 12 mm along a circle, 4 mm high."""
+    return 25e-3 + 2e-3 * np.cos(13 * angle)
+
+
+def curve(radius):
+    return radius(ANGLE) * np.stack([np.cos(ANGLE), np.sin(ANGLE)])
+
+
+def imaged(radius, edge):
+    """Return the section of a mask of a shape, in voxels of an edge in m, aside of their middles."""
+    x = (np.arange(round(80e-3 / edge)) + 0.5) * edge - 40e-3
+    x, y = np.meshgrid(x + 0.13 * edge, x + 0.37 * edge, indexing="ij")
+    voxels = np.hypot(x, y) < radius(np.arctan2(y, x))
+    (found,) = sections((np.uint8(voxels)[:, None], np.diag([1e3 * edge] * 3 + [1.0])), plane="coronal")
+    return found
+
+
+def pial(section, **options):
+    body = outline(section, thickness=T, elements=4, **options)
+    return body.nodes[:, body.pial], body.changes
+
+
+@pytest.mark.parametrize("edge", [0.5e-3, 1e-3])
+@pytest.mark.parametrize("shape", [disc, ellipse])
+def test_convex_shapes_in_voxels_have_no_folds_and_their_own_length(shape, edge):
+    exact = curve(shape)
+    found, _ = pial(imaged(shape, edge))
+    assert find_folds(found, thickness=T, closed=True).count == 0
+    assert gyrification_index(found, closed=True) == pytest.approx(1.0, abs=2e-3)
+    assert perimeter(found) == pytest.approx(perimeter(exact), rel=5e-3)
+    assert abs(area(found)) == pytest.approx(abs(area(exact)), rel=1e-3)
+    stepped, _ = pial(imaged(shape, edge), smooth=0)
+    assert perimeter(stepped) > 1.05 * perimeter(exact)  # as has been: the default is what helps
+
+
+@pytest.mark.parametrize("edge", [0.5e-3, 1e-3])
+def test_gyri_of_twelve_voxels_and_more_stay(edge):
+    exact = curve(wavy)
+    found, _ = pial(imaged(wavy, edge))
+    assert find_folds(found, thickness=T, closed=True).count == 13
+    assert gyrification_index(found, closed=True) == pytest.approx(
+        gyrification_index(exact[:, ::50], closed=True), rel=0.02
+    )
+    assert abs(area(found)) == pytest.approx(abs(area(exact)), rel=5e-3)
+
+
+def test_the_length_is_said_and_the_users_own_wins():
+    section = imaged(disc, 0.5e-3)
+    assert section.voxel == pytest.approx(0.5e-3)
+    (words,) = pial(section)[1].remarks()
+    assert words == "steps of voxels smoothed away over 0.00075 m, 1.5 voxels (smooth=0 keeps them)"
+    same, changes = pial(section, smooth=0.75e-3)
+    assert not any("voxels" in note for note in changes.notes)
+    np.testing.assert_array_equal(same, pial(section)[0])
+    drawn, changes = pial(Section([curve(disc)[:, ::100]]))  # of no image
+    assert changes.remarks() == ()
+    assert perimeter(drawn) == pytest.approx(2 * np.pi * 25e-3, rel=1e-3)
+
+
+def test_a_section_scaled_to_a_width_has_voxels_as_large(tmp_path):
+    from PIL import Image as Pictures
+
+    from turingfold import read_section
+
+    x = np.arange(101) - 50
+    Pictures.fromarray(np.uint8(255 * (np.hypot(*np.meshgrid(x, x)) <= 40))).save(tmp_path / "mask.png")
+    read = read_section(tmp_path / "mask.png", width=0.081)  # 81 pixels across
+    assert read.voxel == pytest.approx(1e-3)
+    body = load_case(CASE).scenes({"outline": str(tmp_path / "mask.png"), "width": 0.081}, quick=True)
+    assert "smoothed away over 0.0015 m" in str(body["section"].body.changes)
+
+
+def test_specks_of_single_voxels_do_not_stop_an_image():
+    section = imaged(disc, 0.5e-3)
+    speck = 0.25e-3 * np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]]) + 0.035
+    _, changes = pial(Section([*section.pial, speck], voxel=section.voxel))
+    assert "1 curves of points smaller than 1.5 voxels left out" in changes.remarks()
