@@ -337,3 +337,13 @@ def test_real_sections_are_read_as_they_are():
         text = file.read_text(encoding="utf-8")
         numbers = np.array(re.findall(r"-?\d+\.\d+", text), dtype=float).reshape(-1, 2).T
         assert read_outline(file, unit="mm").single() == pytest.approx(1e-3 * numbers)
+
+
+@pytest.mark.parametrize("factor", [0.1, 100.0])
+def test_a_point_far_from_both_its_neighbours_is_named_by_its_row(tmp_path, factor):
+    points = circle(30e-3, 180)
+    assert read_outline(written(tmp_path, rows(points))).loops[0].shape == (2, 180)  # nothing is said
+    points[0, 7] *= factor
+    with pytest.warns(UserWarning, match=r"a\.csv, line 8: .* as far from both its neighbours") as told:
+        read_outline(written(tmp_path, rows(points)))
+    assert len(told) == 1  # that it is large is no matter of units

@@ -241,8 +241,7 @@ def test_the_command_goes_on_with_its_tables(tmp_path, capsys):
     words += ["--ordinary", "1", "--dynamic", "1", "--stepping", "1", "--extreme", "1"]
     assert main([*words, "--seconds", "60", "-j", "2"]) == 0
     assert (
-        "extreme: 1 cells: 1 valid; 1 of 1 with a known solution reach it (100 %)"
-        in capsys.readouterr().out
+        "extreme: 1 cells: 1 valid; 1 of 1 with a known solution reach it (100 %)" in capsys.readouterr().out
     )
     assert (tmp_path / "atlas.png").read_bytes().startswith(b"\x89PNG")
     rows = list(csv.DictReader((tmp_path / "mechanics.csv").read_text().splitlines()))
