@@ -80,7 +80,7 @@ def test_a_curve_inside_another_is_said_and_a_ventricle_is_not(here, capsys):
 def test_a_sweep_says_it_once(here, capsys):
     table(shifted(0.1))
     words = ["--quick", "--set", "elements=3", "--set", "outline=a.csv", "--vary", "cortex=1.01,1.02"]
-    assert main(["sweep", "section", *words]) == 0
+    assert main(["sweep", "section", *words, "--keep", "summary"]) == 0
     assert sum(SAID in line for line in notes(capsys)) == 1
 
 
