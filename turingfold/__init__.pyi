@@ -10,6 +10,7 @@ from .figures.bifurcation import fold_amplitude as fold_amplitude
 from .figures.bifurcation import pial_measures as pial_measures
 from .geometry.body import Body as Body
 from .geometry.changes import Changes as Changes
+from .geometry.changes import OutlineWarning as OutlineWarning
 from .geometry.mirror import half as half
 from .geometry.refinement import refined as refined
 from .geometry.roughness import geometric_imperfection as geometric_imperfection
