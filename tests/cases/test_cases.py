@@ -17,7 +17,7 @@ from turingfold.results.document import stored
 
 APART = ("tension_placement",)  # whose numbers are examined as well
 # contours as they were published touch themselves here and there, which is told
-REAL = pytest.mark.filterwarnings("ignore::turingfold.OutlineWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::turingfold.OutlineWarning")
 CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.py"))
 
 
@@ -172,7 +172,6 @@ def test_hypotheses_differ_by_one_thing_each_and_growth_is_in_all_eight():
     assert all(still[name] == kinds["DGH + ATH + IPH"][name] for name in same)
 
 
-@REAL
 @pytest.mark.parametrize("path", [slow_if_long(path) for path in CASES])
 def test_scenes_start_and_can_be_stored(path):
     data_or_skip(path)
@@ -187,7 +186,6 @@ def test_scenes_start_and_can_be_stored(path):
     assert simulate(first).summary()["converged"] is True, name
 
 
-@REAL
 @pytest.mark.slow
 @pytest.mark.parametrize("path", [p for p in CASES if p.stem != "ferret_stages"], ids=lambda path: path.stem)
 def test_scenes_are_made_in_full_size(path):  # those of ferret_stages are made from results: test_ferret
