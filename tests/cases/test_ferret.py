@@ -243,6 +243,7 @@ def test_thicker_coats_fold_less():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:outline. .*(lie|crosses):turingfold.geometry.changes.OutlineWarning")
 def test_a_folded_brain_with_a_thin_cortex_folds_finely_over_its_gyri():
     if not load_case(CASES / "ferret_outlines.py").module.FOLDER.is_dir():
         pytest.skip("the published outlines are not here")

@@ -18,6 +18,7 @@ FERRET = Path(os.environ.get("FERRET_OUTLINES", BESIDE / "ferret")) / "coronal_q
 T = 2.5e-3
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:outline. .*(lie|crosses):turingfold.geometry.changes.OutlineWarning"),
     pytest.mark.skipif(
         not (SECTIONS.is_dir() and FERRET.is_file()), reason="the folders of real sections are not here"
     ),

@@ -22,6 +22,9 @@ SINGLE = [
 ]
 needed = pytest.mark.skipif(not SINGLE[0].is_file(), reason=f"the sections are not in {SECTIONS}")
 T = 2.5e-3
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:outline. .*(lie|crosses):turingfold.geometry.changes.OutlineWarning"
+)
 
 
 def loops(name, surface):
