@@ -1,6 +1,7 @@
 """Pictures: what is on the axes, in which units, and that every option draws."""
 
 import io
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,17 @@ import pytest
 from matplotlib.figure import Figure
 from small import elastic_scene
 
-from turingfold import AxonalTension, figures, half, outline, semicircle, simulate
+from turingfold import (
+    AxonalTension,
+    OutlineWarning,
+    TangentialGrowth,
+    animate,
+    figures,
+    half,
+    outline,
+    semicircle,
+    simulate,
+)
 from turingfold.figures.style import at_nodes, colour_limits, compact, per_length, round_length, sulci
 from turingfold.results.result import Result
 from turingfold.state import State
@@ -280,3 +291,35 @@ def test_panels_share_their_colours(folded, figure):
     assert seen == [folded, folded]
     drawn(figure)
     assert sum(bool(axes.get_ylabel()) for axes in figure.axes) == 1
+
+
+@pytest.fixture(scope="module")
+def parts():
+    """Two discs, one of them with a closed-off sulcus, which grow."""
+    angle = np.linspace(0, 2 * np.pi, 80, endpoint=False)
+    disc = np.stack([np.cos(angle), np.sin(angle)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OutlineWarning)  # of the closed-off sulcus
+        body = outline([disc, 0.3 * disc, disc + np.array([[3.0], [0.0]])], thickness=0.25, size=0.2)
+    return simulate(elastic_scene(TangentialGrowth(cortex=1.05), body=body))
+
+
+@pytest.mark.parametrize("draw", [
+    figures.before, figures.layers, figures.outline, figures.pial_history, figures.section, figures.tissue,
+])  # fmt: skip
+def test_every_picture_shows_each_part_of_a_body(parts, figure, draw):
+    axes, body = figure.add_subplot(), parts.scene.body
+    draw(axes, body if draw in (figures.outline, figures.tissue) else parts)
+    unit = 1.0 if draw in (figures.before, figures.layers) else 1e3
+    ends = [(line.get_xdata().min() / unit, line.get_xdata().max() / unit) for line in axes.lines]
+    for path in body.pial_paths:
+        low, high = body.nodes[0, path.nodes].min(), body.nodes[0, path.nodes].max()
+        assert any(abs(a - low) < 0.1 and abs(b - high) < 0.1 for a, b in ends), path
+
+
+def test_panels_and_films_of_several_parts_say_what_the_summary_says(parts, figure, tmp_path):
+    told = parts.summary()
+    assert figures.numbers(parts).startswith(f"{sulci(told['folds'])}, GI {told['gyrification_index']:.2f}")
+    figures.grid(figure, {"parts": (parts, -1)}, columns=1)
+    assert animate(replace(parts, states=parts.states[-2:]), tmp_path / "film.gif").stat().st_size > 1000
+    figures.folding(figure, parts)

@@ -13,9 +13,9 @@ import numpy as np
 from ..arrays import Array
 from ..checks import one_of, whole
 from ..growth.measure import largest_growth
-from ..morphometry.folds import fold_count
 from ..results.files import FilePath, write_whole
-from ..results.result import Result, pial_closed
+from ..results.measures import sulci_of
+from ..results.result import Result
 from .sections import FIELDS, field_limits, section
 from .style import MM, copies, sulci
 
@@ -64,7 +64,7 @@ def frames(figure: Figure, result: Result, field: str, *, last: int = 1) -> Iter
         section(axes, result, step, field=field, limits=limits)
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
-        folds = fold_count(result.pial(step), thickness=body.thickness, closed=pial_closed(body))
+        folds = sulci_of(body, result.states[step]["displacement"])[0]
         age = f"{result.label(step)}, " if result.label(step) else ""
         axes.set_title(f"{age}growth {largest_growth(result.states[step]):.2f}, {sulci(folds)}{unfinished}")
         for _ in range(1 if step < len(result.states) - 1 else last):

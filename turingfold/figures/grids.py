@@ -9,10 +9,11 @@ import numpy as np
 
 from ..arrays import Array, add_up
 from ..geometry.body import Body
-from ..results.result import Result, along_pial, pial_closed
+from ..results.measures import gyrification, sulci_of
+from ..results.result import Result
 from ..results.units import with_error
 from .sections import scale_bar
-from .style import MM, PARTS, copies, edge, frame, sulci
+from .style import MM, PARTS, copies, edge, frame, pial_lines, sulci
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,10 +37,8 @@ def layers(axes: Axes, result: Result, step: int = -1) -> None:
     for sign in (1.0, -1.0) if body.mirror else (1.0,):
         triangles = Triangulation(sign * points[0], points[1], corners)
         axes.tripcolor(triangles, values, shading="gouraud", cmap=shades, vmin=0.0, vmax=1.0, rasterized=True)
-    pial = result.pial(step)
-    if pial_closed(body):
-        pial = np.concatenate([pial, pial[:, :1]], axis=1)
-    axes.plot(*pial, color=INK, linewidth=0.8)
+    for pial in pial_lines(body, points):
+        axes.plot(*pial, color=INK, linewidth=0.8)
     axes.set_aspect("equal")
     axes.set_axis_off()
 
@@ -61,10 +60,8 @@ def tissue(axes: Axes, body: Body) -> None:
 def before(axes: Axes, result: Result) -> None:
     """Draw the undeformed outline, dotted."""
     body = result.scene.body
-    pial = along_pial(body, body.nodes[:, body.pial])
-    if pial_closed(body):
-        pial = np.concatenate([pial, pial[:, :1]], axis=1)
-    axes.plot(*pial, color=INK, linewidth=0.7, linestyle=(0, (1, 2)))
+    for pial in pial_lines(body, body.nodes):
+        axes.plot(*pial, color=INK, linewidth=0.7, linestyle=(0, (1, 2)))
 
 
 def numbers(result: Result, step: int = -1) -> str:
@@ -72,18 +69,15 @@ def numbers(result: Result, step: int = -1) -> str:
 
     Above it, of the end of a run that stopped, that and where.
     """
-    from ..morphometry.folds import find_folds
-    from ..morphometry.shape import gyrification_index
-
-    body, pial = result.scene.body, result.pial(step)
-    closed, T = pial_closed(body), body.thickness
-    folds = find_folds(pial, thickness=T, closed=closed)
-    index = gyrification_index(pial, closed=closed)
-    depth = f", depth {folds.depth / T:.1f} T" if folds.count else ""
+    body = result.scene.body
+    displacement = result.states[step]["displacement"]
+    count, deep = sulci_of(body, displacement)
+    index = gyrification(body, displacement)
+    depth = f", depth {deep / body.thickness:.1f} T" if count else ""
     last = result.states[step] is result.last
     off = result.error("gyrification_index") if last else None
     stopped = f"{result.unfinished}\n" if last and result.unfinished else ""
-    return f"{stopped}{sulci(folds.count)}, GI {with_error(index, off)}{depth}"
+    return f"{stopped}{sulci(count)}, GI {with_error(index, off)}{depth}"
 
 
 def grid(
@@ -131,9 +125,9 @@ def nearest_step(result: Result, time: float) -> int:
 
 
 def _box(result: Result, step: int) -> tuple[Array, Array]:
-    pial, body = result.pial(step), result.scene.body
-    moved = body.nodes + result.states[step]["displacement"]
-    low, high = np.minimum(pial.min(1), moved.min(1)), np.maximum(pial.max(1), moved.max(1))
+    body = result.scene.body
+    moved = np.concatenate(list(copies(body, body.nodes + result.states[step]["displacement"])), axis=1)
+    low, high = moved.min(axis=1), moved.max(axis=1)
     margin = 0.03 * (high - low).max()
     return low - margin, high + margin
 

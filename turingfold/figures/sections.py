@@ -35,6 +35,7 @@ from .style import (
     frame,
     inside,
     per_length,
+    pial_lines,
     round_length,
     shaded,
     shown,
@@ -175,16 +176,18 @@ def pial_history(axes: Axes, result: Result, *, count: int = 8, bar: bool = True
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    times = np.array([state.time for state in result.states])
+    body, times = result.scene.body, np.array([state.time for state in result.states])
     wanted = np.linspace(times[0], times[-1], count)
     chosen = sorted({int(np.abs(times - time).argmin()) for time in wanted})
     factors = [largest_growth(result.states[k]) for k in chosen]
     colors = ScalarMappable(Normalize(min(factors), max(*factors, min(factors) + 1e-9)), "viridis_r")
     for k, factor in zip(chosen, factors, strict=True):
-        axes.plot(*(MM * around(result.pial(k))), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
+        points = body.nodes + result.states[k]["displacement"]
+        for pial in pial_lines(body, points):
+            axes.plot(*(MM * pial), color=colors.to_rgba(np.array(factor)), linewidth=0.9)
     frame(axes)
     if bar:
-        _bar_inside(axes, result.scene.body, colors, "tangential growth", [min(factors), max(factors)])
+        _bar_inside(axes, body, colors, "tangential growth", [min(factors), max(factors)])
 
 
 def section_grid(
@@ -295,6 +298,7 @@ def _unit(scene: Scene, field: str) -> tuple[float, str]:
 
 
 def _bar_inside(axes: Axes, body: Body, colors: ScalarMappable, label: str, ticks: list[float]) -> None:
-    level = 0.54 if pial_closed(body) else 0.4  # clear of the sulci from below
+    below = len(body.pial_paths) > 1 or pial_closed(body)
+    level = 0.54 if below else 0.4  # clear of the sulci from below
     bar = axes.inset_axes((0.32, level, 0.36, 0.06))
     axes.figure.colorbar(colors, cax=bar, orientation="horizontal", ticks=ticks, label=label, format="%.3g")

@@ -126,6 +126,13 @@ def core(axes: Axes, points: Array, body: Body) -> None:
     axes.add_collection(PolyCollection(triangles, facecolor=CORE, edgecolor=CORE, linewidth=0.3))
 
 
+def pial_lines(body: Body, points: Array) -> Iterator[Array]:
+    """Yield the parts of the pial surface, closed ones with their first point at the end, of moved nodes."""
+    for path in body.pial_paths:
+        for copy in copies(body, points):
+            yield around(copy[:, path.nodes])
+
+
 def edge(axes: Axes, points: Array, body: Body) -> None:
     """Draw the pial surface, the base and the walls of holes."""
     if len(body.pial_paths) > 1 or "hole" in body.mesh.boundaries:

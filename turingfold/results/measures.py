@@ -153,11 +153,7 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
     Folds are those of the `_surfaces` of all pieces of tissue, their depth the mean over all sulci. The
     gyrification index is the length of all parts, with closed-off sulci, over that of the surfaces' hulls.
     """
-    from ..morphometry.folds import find_folds
-
-    parts = _parts(body, state["displacement"])
-    surfaces = _folding(_surfaces(parts), body.thickness)
-    folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in surfaces]
+    folds = _folds(body, state["displacement"])
     return {
         "inverted_elements": inverted(body, state),
         "self_intersections": crossings(body, state["displacement"]),
@@ -177,21 +173,35 @@ def _numbers_of_parts(body: Body, state: State) -> dict[str, float | None]:
 
 def shape_numbers(body: Body, displacement: Array) -> dict[str, float]:
     """Return pial length, m, gyrification index, and mean sulcal depth, m, of a deformed body."""
-    from ..morphometry.folds import find_folds
     from ..morphometry.polyline import perimeter
 
-    surfaces = parts = _parts(body, displacement)
-    if len(parts) == 1:
-        whole = along_pial(body, parts[0][0])
-        surfaces = parts = [(whole, pial_closed(body))]
-    else:
-        surfaces = _folding(_surfaces(parts), body.thickness)
-    folds = [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in surfaces]
     return {
-        "perimeter": sum(perimeter(pial, closed=closed) for pial, closed in parts),
+        "perimeter": sum(perimeter(pial, closed=closed) for pial, closed in _whole(body, displacement)),
         "gyrification_index": gyrification(body, displacement),
-        "sulcal_depth": _mean_depth(folds),
+        "sulcal_depth": sulci_of(body, displacement)[1],
     }
+
+
+def sulci_of(body: Body, displacement: Array) -> tuple[int, float]:
+    """Return the number of sulci of a deformed body, and their mean depth, m."""
+    folds = _folds(body, displacement)
+    return sum(found.count for found in folds), _mean_depth(folds)
+
+
+def _folds(body: Body, displacement: Array) -> list[Folds]:
+    """Return the folds of each surface that may have some."""
+    from ..morphometry.folds import find_folds
+
+    surfaces = _whole(body, displacement)
+    if len(surfaces) > 1:
+        surfaces = _folding(_surfaces(surfaces), body.thickness)
+    return [find_folds(pial, thickness=body.thickness, closed=closed) for pial, closed in surfaces]
+
+
+def _whole(body: Body, displacement: Array) -> list[tuple[Array, bool]]:
+    """Return the parts of the pial surface and whether they are closed; the half of a body is completed."""
+    parts = _parts(body, displacement)
+    return parts if len(parts) > 1 else [(along_pial(body, parts[0][0]), pial_closed(body))]
 
 
 def inverted(body: Body, state: State) -> int:
