@@ -7,12 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-import numpy as np
-
 from ..arrays import Array
 from ..errors import (
     InadmissibleStateError,
-    NotConvergedError,
     OutOfMemoryError,
     RoundOffError,
     SolveError,
@@ -28,11 +25,11 @@ from .newton import Minimiser
 from .prediction import REMEMBERED, Past, extrapolated
 from .problem import Configuration, Problem, configuration
 from .step_control import longest_next
+from .stops import hopeless, out_of_time, stopped
 
 LONGER = 1.3  # the next step after an easy one
 # shares of the allowed iterations: chosen on a whole coronal section, which took 536 for 744 with 1/4 and 1/2
 EASY, HARD = 0.4, 0.6
-USUAL_ITERATIONS = Stepping.iterations
 USUAL, SNAPS, DAMPED = "usual", "snaps", "damped"  # ways to take a step
 PATIENCE = 3  # halvings after failures, or by which a step is below the usual, before the body snaps
 REFINEMENTS = 3  # how often a step is taken again with finer potentials
@@ -116,17 +113,17 @@ def march(
     failures, overshot = 0, False  # of the present step; whether the last one came to a bad end
     while progress.state.time < until * (1 - 1e-12):
         if minimiser.out_of_time:
-            raise _out_of_time(progress.state, scene)
+            raise out_of_time(progress.state, scene)
         dt = _length(progress, stepping, until)
         way, strict = _way(progress, dt, failures, overshot, stepping), failures <= PATIENCE
         try:
             step = _attempt(problem, minimiser, progress, dt, perf_counter(), way, strict)
         except (RoundOffError, OutOfMemoryError, MemoryError) as error:  # no other step would do
             minimiser.forget()
-            raise _hopeless(progress.state, until, error) from error
+            raise hopeless(progress.state, until, error) from error
         except StepTooLongError as error:
             if error.length < stepping.smallest * until:
-                raise _stopped(progress.state, stepping, until, error) from error
+                raise stopped(progress.state, stepping, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=error.length, usual_dt=min(progress.usual_dt, error.length))
             continue
@@ -139,7 +136,7 @@ def march(
                     failures = PATIENCE + 1
                     minimiser.forget()
                     continue
-                raise _stopped(progress.state, stepping, until, error) from error
+                raise stopped(progress.state, stepping, until, error) from error
             minimiser.forget()
             progress = replace(progress, dt=dt / 2)
             continue
@@ -325,32 +322,3 @@ def _predicted(progress: Progress, dt: float) -> Array | None:
     if not progress.past:
         return None
     return by_node(extrapolated(progress.equilibria, progress.state.time + dt))
-
-
-def _stopped(state: State, stepping: Stepping, until: float, cause: SolveError) -> NotConvergedError:
-    more = "more iterations (Stepping(iterations=...)), " if stepping.iterations < USUAL_ITERATIONS else ""
-    residual = f" (residual {cause.residual:.2g})" if np.isfinite(cause.residual) else ""
-    return NotConvergedError(
-        f"The march stopped at t = {state.time:.6g} of {until:g}: {cause}{residual}. The last good state is "
-        f"kept. Try {more}smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
-        time=state.time,
-        residual=cause.residual,
-    )
-
-
-def _hopeless(state: State, until: float, cause: Exception) -> SolveError:
-    words = f"The march stopped at t = {state.time:.6g} of {until:g}: "
-    if isinstance(cause, RoundOffError):
-        return NotConvergedError(f"{words}{cause}.", time=state.time, residual=cause.residual)
-    lacks = cause if isinstance(cause, OutOfMemoryError) else f"memory is over ({cause}); use larger elements"
-    return OutOfMemoryError(f"{words}{lacks}. The last good state is kept.", time=state.time)
-
-
-def _out_of_time(state: State, scene: Scene) -> NotConvergedError:
-    return NotConvergedError(
-        f"The march stopped at t = {state.time:.6g} of {scene.until:g}: the time limit of "
-        f"{scene.stepping.seconds:g} s is reached. The last good state is kept. Try another "
-        "Stepping(seconds=...) (--max-seconds); a run with results in a folder goes on with it by "
-        "resume=True (--resume).",
-        time=state.time,
-    )
