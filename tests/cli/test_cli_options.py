@@ -42,7 +42,8 @@ def test_one_json_object_says_what_became_of_a_run(case, capsys):
     assert found["table"] is None
     scene = found["scenes"]["second one"]
     assert (scene["status"], scene["folder"]) == ("converged", "results/tiny/second-one")
-    assert scene["summary"] == json.loads(Path("results/tiny/second-one/summary.json").read_text())
+    stored = json.loads(Path("results/tiny/second-one/summary.json").read_text())
+    assert scene["summary"] == {name: value for name, value in stored.items() if name != "sha256"}
     assert main(["draw", case, "--json"]) == 0
     found, _ = answer(capsys)
     assert found == {"exit_status": 0, "case": "tiny", "folder": "results/tiny",

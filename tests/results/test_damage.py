@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,8 +29,9 @@ from turingfold import (
 )
 from turingfold.results.codec import decode, encode
 from turingfold.results.document import rebuilt, stored
-from turingfold.results.files import json_content
+from turingfold.results.files import arrays_content, json_content, read_arrays
 from turingfold.results.history import COLUMNS, History, read_history, sound_rows
+from turingfold.results.identity import Identity
 from turingfold.results.lock import FolderLock, writer
 
 
@@ -101,6 +103,137 @@ def test_rows_with_other_columns_are_signed_as_well(tmp_path):
     found = read_history(tmp_path)
     assert [{k: v for k, v in row.items() if not np.isnan(v)} for row in found] == rows
     assert set(found[0]) == {*COLUMNS, "work"}
+
+
+# files of another run, and of earlier versions
+
+
+@pytest.fixture(scope="module")
+def another(tmp_path_factory):
+    """Return the folder of a run of the same body that grows more."""
+    folder = tmp_path_factory.mktemp("another") / "out"
+    scene = elastic_scene(stepping=HURRIED)
+    (grow,) = scene.processes
+    simulate(replace(scene, processes=(replace(grow, cortex=1.6),)), folder, frames=4)
+    return folder
+
+
+OTHERS = ("history.csv", "summary.json", "scene.json")
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_a_file_of_another_run_is_refused_by_its_name(out, another, name):
+    shutil.copy(another / name, out / name)
+    with pytest.raises(CorruptFileError, match=r"does not belong to the scene\.json beside it") as caught:
+        load(out)
+    assert str(out / name) in str(caught.value) or name == "scene.json"
+    assert "overwrite" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["states/000005.npz", "states/000010.npz"])
+def test_a_state_of_another_run_is_left_out(finished, out, another, name):
+    shutil.copy(another / name, out / name)
+    with pytest.warns(UserWarning, match=rf"{name} does not belong to the scene.json beside it"):
+        found = load(out)
+    whole = load(finished)
+    np.testing.assert_array_equal(found.last["displacement"], whole.last["displacement"])
+    assert found.summary() == whole.summary()  # the last one is in the checkpoint, too
+
+
+@pytest.mark.parametrize("name", ["frames.pvd", "frames/000005.vtu"])
+def test_a_frame_of_another_run_is_told_of(out, another, name):
+    shutil.copy(another / name, out / name)
+    with pytest.warns(UserWarning, match=rf"{name} does not belong to the scene.json beside it"):
+        load(out)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    "name",
+    ["history.csv", "summary.json", "states/000010.npz", "frames.pvd", "frames/000005.vtu", "checkpoints"],
+)
+def test_going_on_makes_anew_what_is_of_another_run(finished, out, another, name):
+    names = [file.name for file in another.glob("checkpoint-*.npz")] if name == "checkpoints" else [name]
+    for one in names:
+        shutil.copy(another / one, out / one)
+    assert simulate(elastic_scene(stepping=HURRIED), out, resume=True, frames=4).converged
+    for file in (finished / "frames.pvd", *finished.glob("states/*"), *finished.glob("frames/*")):
+        assert (out / file.relative_to(finished)).read_bytes() == file.read_bytes(), file.name
+    assert load(out).last.time == 1.0
+    assert repr(numbers(out)) == repr(numbers(finished))
+
+
+def numbers(folder):
+    return [{name: value for name, value in row.items() if name != "seconds"} for row in read_history(folder)]
+
+
+def test_going_on_refuses_a_scene_of_another_run_and_leaves_its_files(out, another):
+    shutil.copy(another / "scene.json", out / "scene.json")
+    before = {file: file.read_bytes() for file in out.rglob("*") if file.is_file()}
+    with pytest.raises(ValueError, match="holds the result of another scene"):
+        simulate(elastic_scene(stepping=HURRIED), out, resume=True)
+    with pytest.raises(
+        CorruptFileError, match=r"scene\.json is of another run than the files beside it.*--over"
+    ):
+        simulate(load(another).scene, out, resume=True)
+    assert before == {file: file.read_bytes() for file in out.rglob("*") if file.is_file()}
+
+
+@pytest.mark.parametrize("name", ["status", "energy", "errors"])
+def test_a_summary_that_was_edited_is_refused_until_it_is_made_anew(finished, out, name):
+    file = out / "summary.json"
+    edited = json.loads(file.read_text()) | {name: {"status": "invalid", "energy": 0.5}.get(name, {})}
+    file.write_text(json.dumps(edited))
+    with pytest.raises(CorruptFileError, match=r"summary\.json was changed after it was written.*--resume"):
+        load(out)
+    simulate(elastic_scene(stepping=HURRIED), out, resume=True, frames=4)
+    assert load(out).summary()["energy"] == load(finished).summary()["energy"]
+
+
+def test_what_a_run_may_change_when_it_goes_on_is_not_its_identity(finished, another):
+    document, _ = stored(elastic_scene(stepping=HURRIED))
+    run = Identity.of(document)
+    assert run.run == json.loads((finished / "scene.json").read_text())["run"] == Identity.at(finished).run
+    patient, _ = stored(elastic_scene(stepping=replace(HURRIED, seconds=9.0)), {"command": "run"})
+    assert Identity.of(patient | {"date": "today", "versions": {}}) == run
+    later, _ = stored(elastic_scene(stepping=replace(HURRIED, first=0.05)))
+    assert len({run.run, Identity.of(later).run, Identity.at(another).run}) == 3
+
+
+def of_an_earlier_version(folder):
+    """Take out of the files of a folder what says of which run they are."""
+    for file in [*folder.glob("states/*.npz"), *folder.glob("checkpoint-*.npz")]:
+        arrays = read_arrays(file)
+        del arrays[".run"]
+        file.write_bytes(arrays_content(arrays))
+    history = History(folder / "history.csv")
+    history.rows = read_history(folder)
+    history.rewrite()
+    history.close()
+    for name, signed in (("scene.json", True), ("summary.json", False)):
+        table = json.loads((folder / name).read_text())
+        del table["run"], table["sha256"]
+        (folder / name).write_bytes(json_content(table, signed=signed))
+    for file in [folder / "frames.pvd", *folder.glob("frames/*.vtu")]:
+        file.write_bytes(re.sub(rb"<!-- run \w+ -->\n", b"", file.read_bytes(), count=1))
+
+
+def test_a_result_of_an_earlier_version_is_read_and_gone_on_with(finished, out, another):
+    of_an_earlier_version(out)
+    assert load(out).summary() == load(finished).summary()
+    assert simulate(elastic_scene(stepping=HURRIED), out, resume=True, frames=4).converged
+    assert load(out).summary()["energy"] == load(finished).summary()["energy"]
+    shutil.copy(another / "history.csv", out / "history.csv")  # which says that it is of another run
+    with pytest.raises(CorruptFileError, match=r"history\.csv does not belong"):
+        load(out)
+
+
+def test_a_file_of_an_earlier_version_belongs_to_no_run_of_this_one(finished, out, another, tmp_path):
+    old = Path(shutil.copytree(another, tmp_path / "old"))
+    of_an_earlier_version(old)
+    shutil.copy(old / "history.csv", out / "history.csv")
+    with pytest.raises(CorruptFileError, match=r"history\.csv does not belong .* it names no run"):
+        load(out)
 
 
 # a scene.json that was made to deceive

@@ -36,6 +36,7 @@ from turingfold.results.codec import decode, encode
 from turingfold.results.document import difference, stored
 from turingfold.results.files import arrays_content, digest, read_arrays, write_whole, writing
 from turingfold.results.history import History, read_history
+from turingfold.results.identity import Identity
 from turingfold.results.vtu import Frames, arrays_of, entries, in_cells, index, mesh_of
 
 HERE = Path(__file__).parents[1]
@@ -354,7 +355,7 @@ def test_the_history_has_units_in_its_file_and_none_in_its_rows(tmp_path):
     )
     rows = [row | {"min_gap": 0.0} for row in result.history]  # there is no gap without contact
     assert [row | {"min_gap": 0.0} for row in load(tmp_path / "out").history] == rows
-    old = History(file)  # as earlier versions wrote it
+    old = History(file, run=Identity.at(tmp_path / "out").run)  # as earlier versions wrote it
     old.rows = read_history(tmp_path / "out")
     old.rewrite()
     old.close()

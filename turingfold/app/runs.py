@@ -28,7 +28,7 @@ from typing import Any
 
 from ..results.files import CorruptFileError, json_content, read_json, write_whole
 from ..results.lock import writer
-from ..results.reading import read_ending
+from ..results.reading import read_ending, read_summary
 from .choices import Choice
 
 RUN = re.compile(r"\d{8}-\d{6}-[0-9a-f]{6}")
@@ -198,7 +198,7 @@ class Runs:
             return "running", ""
         try:
             ending = read_ending(result)
-        except CorruptFileError as error:
+        except ValueError as error:  # damage, or a format of another version
             return "damaged", str(error)
         if alive and ending.status in ("interrupted", "stopped"):  # it takes or gives back its lock
             return "running", ""
@@ -257,8 +257,8 @@ def _unbegun(run: Run) -> tuple[str, str]:
 def numbers(run: Run) -> dict[str, Any]:
     """Return the numbers that a list shows of a run that has ended."""
     if run.result is not None:
-        with suppress(CorruptFileError):
-            summary = read_json(run.result / "summary.json")
+        with suppress(ValueError):
+            summary = read_summary(run.result)
             return {name: summary.get(name) for name in NUMBERS}
     return {}
 

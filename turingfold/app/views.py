@@ -19,6 +19,7 @@ from ..morphometry.folds import find_folds
 from ..results.document import read_scene
 from ..results.files import CorruptFileError
 from ..results.history import read_history
+from ..results.identity import Identity
 from ..results.loading import read_result
 from ..results.measures import fold_numbers
 from ..results.reading import state_of
@@ -36,6 +37,7 @@ class Views:
 
     def __init__(self) -> None:
         self._scene = lru_cache(16)(_scene)
+        self._identity = lru_cache(16)(_identity)
         self._numbers = lru_cache(4096)(self._measured)
         self._drawing = Lock()  # matplotlib draws one picture at a time
 
@@ -43,9 +45,13 @@ class Views:
         """Return the scene of a result; raises ValueError where it cannot be rebuilt."""
         return self._scene(folder, known, (folder / "scene.json").stat().st_mtime_ns)
 
+    def identity(self, folder: Path) -> Identity:
+        """Return the run of a result; raises ValueError where its scene.json is damaged."""
+        return self._identity(folder, (folder / "scene.json").stat().st_mtime_ns)
+
     def progress(self, folder: Path, known: tuple[Any, ...]) -> dict[str, Any]:
         """Return how far a result is: columns of its history, its frames with numbers, and its units."""
-        scene, rows = self.scene(folder, known), read_history(folder)
+        scene, rows = self.scene(folder, known), read_history(folder, self.identity(folder))
         body = scene.body
         frames = [self._numbers(folder, known, step, stamp) for step, stamp in _steps(folder)]
         return {
@@ -63,7 +69,7 @@ class Views:
         scene = self.scene(folder, known)
         body = scene.body
         try:
-            state = state_of(folder / "states" / f"{step:06d}.npz")
+            state = state_of(folder / "states" / f"{step:06d}.npz", self.identity(folder))
         except CorruptFileError:
             return None
         if len(body.pial_paths) > 1:
@@ -149,6 +155,10 @@ def _frame(folder: Path, step: int) -> Path:
 
 def _scene(folder: Path, known: tuple[Any, ...], stamp: int) -> Scene:
     return read_scene(folder, known)
+
+
+def _identity(folder: Path, stamp: int) -> Identity:
+    return Identity.at(folder)
 
 
 def _number(value: Any) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from ..results.document import stored
 from ..results.files import read_json
 from ..results.folder import check_folder
 from ..results.loading import read_result
+from ..results.reading import read_summary
 from ..results.result import Result
 from ..results.simulate import ENOUGH, CoarseMeshWarning, coarseness
 from .case import Case, explained, find_case, folder_name
@@ -118,7 +120,9 @@ def facts_of(ends: Sequence[Outcome], base: Path) -> dict[str, Any]:
 
 
 def _facts(end: Outcome, folder: Path) -> dict[str, Any]:
-    summary = read_json(folder / "summary.json") if (folder / "summary.json").is_file() else None
+    summary = None
+    with suppress(ValueError):  # of a folder that was refused
+        summary = read_summary(folder)
     return {"status": end.status, "message": end.message, "folder": str(folder), "summary": summary}
 
 

@@ -65,7 +65,12 @@ def read_document(path: Path) -> dict[str, Any]:
             f"{path} has format {found}, written by {OWN} {wrote}, and this version reads format {FORMAT}; "
             "install that version, or run the scene again (overwrite=True, --overwrite)."
         )
-    return unsigned(document, file)
+    try:
+        return unsigned(document, file)
+    except CorruptFileError as error:
+        raise CorruptFileError(
+            f"{error} Put back what it said, or run the scene again (overwrite=True, --overwrite)."
+        ) from error
 
 
 def read_body(path: Path, document: Mapping[str, Any]) -> Arrays:

@@ -27,6 +27,7 @@ from .plain import as_plain
 FilePath = str | os.PathLike[str]
 
 CHECKSUM = "sha256"
+HEAD = 512  # bytes
 GO_ON = "Everything written before is complete; {}, then go on with resume=True (--resume)"
 FREE_SPACE = GO_ON.format("free some space")
 OPEN = "make this place writable or choose another"
@@ -74,6 +75,17 @@ def writing(path: Path) -> Iterator[None]:
         raise OutputError(error.errno, message) from error
 
 
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn what shows inside the block that `path` is no file into a CorruptFileError."""
+    try:
+        yield
+    except (FileNotFoundError, NotADirectoryError):
+        raise CorruptFileError(f"{path} is missing.") from None
+    except IsADirectoryError:
+        raise CorruptFileError(f"{path} is a folder; it should be a file.") from None
+
+
 def open_unlinked(path: Path, flags: int) -> int:
     """Return the descriptor of a file that is opened for writing, unless it is a link."""
     return os.open(path, os.O_WRONLY | flags | NO_LINK | getattr(os, "O_BINARY", 0), 0o666)
@@ -118,12 +130,14 @@ def _signature(plain: Mapping[str, Any]) -> str:
 
 def read_bytes(path: Path) -> bytes:
     """Return the content of a stored file; raises CorruptFileError where it is missing or a folder."""
-    try:
+    with reading(path):
         return path.read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
-        raise CorruptFileError(f"{path} is missing.") from None
-    except IsADirectoryError:
-        raise CorruptFileError(f"{path} is a folder; it should be a file.") from None
+
+
+def read_head(path: Path) -> bytes:
+    """Return the first bytes of a stored file; raises as `read_bytes`."""
+    with reading(path), path.open("rb") as file:
+        return file.read(HEAD)
 
 
 def read_json(path: Path) -> dict[str, Any]:

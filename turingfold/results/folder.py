@@ -32,21 +32,14 @@ from ..state import State
 from .checkpoint import Checkpoint, from_arrays, to_arrays
 from .codec import Arrays
 from .document import difference, origin, read_body, read_document, stored
-from .files import (
-    CorruptFileError,
-    arrays_content,
-    json_content,
-    read_arrays,
-    read_bytes,
-    write_whole,
-    writing,
-)
-from .history import History, Row, sound_rows
+from .files import CorruptFileError, arrays_content, json_content, read_bytes, write_whole, writing
+from .history import History, Row, run_of, sound_rows
+from .identity import FREE, RUN, Identity
 from .lock import NAME as LOCK
 from .lock import FolderLock
 from .log import NAME as LOG
 from .log import append, warnings_to
-from .reading import state_of
+from .reading import check_scene_is_own, state_of
 from .units import stored_unit
 
 if TYPE_CHECKING:
@@ -79,13 +72,13 @@ class ResultFolder:
             path.mkdir(parents=True, exist_ok=True)
         with writing(path / LOCK):
             self._lock = FolderLock(path)
-        self._history = History(path / "history.csv", partial(stored_unit, scene))
         self._times: dict[int, float] = {}  # of the frames, by step
         self._place = path.stat()
         self._within = ExitStack()
         try:
             check_folder(path, document, resume=resume, overwrite=overwrite)
-            self._claim(document, arrays, resume=resume)
+            self._identity = self._claim(document, arrays, resume=resume)
+            self._history = History(path / "history.csv", partial(stored_unit, scene), self._identity.run)
         except BaseException:
             self._lock.release()
             raise
@@ -106,20 +99,24 @@ class ResultFolder:
         self._history.close()
         self._lock.release()
 
-    def _claim(self, document: dict[str, Any], arrays: Arrays, *, resume: bool) -> None:
+    def _claim(self, document: dict[str, Any], arrays: Arrays, *, resume: bool) -> Identity:
         for name in SUBFOLDERS:
             self._check(self.path / name)
         self._clear(*LEFT)
         again = resume and (self.path / "scene.json").exists()
-        if not again:
+        if again:
+            check_scene_is_own(self.path)
+        else:
             self._clear("scene.json", LOG, *MADE)
         if not (again and self._has_body(document)):
             self._write("body.npz", arrays_content(arrays))
         if not again:
-            self._write("scene.json", json_content(document | origin(), signed=True))
+            described = document | origin() | {RUN: Identity.of(document).run}
+            self._write("scene.json", json_content(described, signed=True))
         for name in SUBFOLDERS if self._vtu else SUBFOLDERS[:1]:
             with writing(self.path / name):
                 (self.path / name).mkdir(exist_ok=True)
+        return Identity.at(self.path)
 
     def _has_body(self, document: Mapping[str, Any]) -> bool:
         try:
@@ -159,7 +156,7 @@ class ResultFolder:
         rows = self._sound_rows()
         for file in sorted(self.path.glob("checkpoint-*.npz"), reverse=True):
             try:
-                found = from_arrays(read_arrays(file))
+                found = from_arrays(self._identity.read(file))
                 if len(rows) < found.step:
                     raise CorruptFileError(f"{self._history.path} has lost the rows up to {file.name}.")
             except CorruptFileError as error:
@@ -177,14 +174,18 @@ class ResultFolder:
         return None
 
     def _sound_rows(self) -> list[Row]:
-        if not self._history.path.exists():
+        file = self._history.path
+        if not file.exists():
             return []
         try:
-            rows, damage = sound_rows(read_bytes(self._history.path))
+            rows, damage = sound_rows(content := read_bytes(file))
+            if rows or not damage:
+                self._identity.check(file, run_of(content))
         except CorruptFileError as error:
-            rows, damage = [], str(error)
+            warnings.warn(str(error), stacklevel=3)
+            return []
         if damage:
-            warnings.warn(f"{self._history.path}: {damage}.", stacklevel=3)
+            warnings.warn(f"{file}: {damage}.", stacklevel=3)
         return rows
 
     def kept(self, before: int) -> dict[int, State]:
@@ -197,12 +198,20 @@ class ResultFolder:
             if not file.stem.isdecimal() or int(file.stem) >= before:
                 continue
             try:
-                states[int(file.stem)] = state_of(file)
+                states[int(file.stem)] = state_of(file, self._identity)
             except CorruptFileError as error:
                 warnings.warn(str(error), stacklevel=2)
-        shown = {int(p.stem) for p in self.path.glob("frames/*.vtu") if p.stem.isdecimal()}
+        frames = [file for file in self.path.glob("frames/*.vtu") if file.stem.isdecimal()]
+        shown = {int(file.stem) for file in frames if self._is_own(file)}
         self._times = {step: state.time for step, state in states.items() if step in shown}
         return states
+
+    def _is_own(self, frame: Path) -> bool:
+        try:
+            self._identity.check_comment(frame)
+        except CorruptFileError:
+            return False
+        return True
 
     def lacks_frame(self, step: int) -> bool:
         """Return whether a step should have a frame and has none."""
@@ -228,7 +237,7 @@ class ResultFolder:
         """Keep a state, exactly and, where frames are wanted, as one for ParaView."""
         name = f"{step:06d}"
         kept = {"time": np.array(state.time), **state.fields}
-        self._write(f"states/{name}.npz", arrays_content(kept))
+        self._write(f"states/{name}.npz", arrays_content(self._identity.mark(kept)))
         if self._vtu:
             self._write(f"frames/{name}.vtu", self._frames.content(state, observed))
             self._times[step] = state.time
@@ -238,7 +247,7 @@ class ResultFolder:
     def _frames(self) -> Frames:
         from .vtu import Frames
 
-        return Frames(self.scene)
+        return Frames(self.scene, self._identity.comment)
 
     def remove_state(self, step: int) -> None:
         """Remove a state that was kept only because the run ended there."""
@@ -259,20 +268,20 @@ class ResultFolder:
         from .vtu import index
 
         frames = ((time, f"frames/{step:06d}.vtu") for step, time in self._times.items())
-        self._write("frames.pvd", index(frames))
+        self._write("frames.pvd", index(frames, self._identity.comment))
 
     def save(
         self, progress: Progress, step: int, seconds: float, seconds_by_part: Mapping[str, float]
     ) -> None:
         """Write a checkpoint and remove all but the last two."""
         checkpoint = Checkpoint(progress, step, seconds, seconds_by_part)
-        self._write(f"checkpoint-{step:06d}.npz", arrays_content(to_arrays(checkpoint)))
+        self._write(f"checkpoint-{step:06d}.npz", arrays_content(self._identity.mark(to_arrays(checkpoint))))
         for old in sorted(self.path.glob("checkpoint-*.npz"))[:-KEPT_CHECKPOINTS]:
             self._clear(old.name)
 
     def summarise(self, summary: Mapping[str, Any]) -> None:
         """Write the summary."""
-        self._write("summary.json", json_content(summary, signed=False))
+        self._write("summary.json", json_content({RUN: self._identity.run, **summary}, signed=True))
 
 
 def prune(path: Path, *, last: bool) -> None:
@@ -294,7 +303,8 @@ def prune(path: Path, *, last: bool) -> None:
     if last and (listed := path / "frames.pvd").is_file():
         from .vtu import entries, index
 
-        write_whole(listed, index(entries(listed.read_bytes())[-1:]))
+        comment = Identity.at(path).comment
+        write_whole(listed, index(entries(listed.read_bytes())[-1:], comment))
 
 
 def expected_size(scene: Scene, *, frames: int | None, vtu: bool) -> float:
@@ -322,9 +332,8 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         return
     if overwrite:
         return
-    ignoring = ("versions", "date", "case", "scene.stepping.seconds")
     old = read_document(path)
-    if other := difference(old, document, ignoring=ignoring):
+    if other := difference(old, document, ignoring=FREE):
         given = (one.get("case", {}).get("parameters") for one in (old, document))
         other = difference(*given) or other
     if resume and other:

@@ -2,7 +2,8 @@
 
 Names stand there with their units, such as "energy [J/m]"; where they are read, without.
 
-The last column is the CRC-32 of the line before it and of all lines above: a changed digit is noticed.
+The last column is the CRC-32 of the line before it and of all lines above: a changed digit is noticed. Its
+name says of which run they are.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from zlib import crc32
 import numpy as np
 
 from .files import CorruptFileError, open_unlinked, read_bytes, write_whole, writing
+from .identity import Identity
 from .units import with_unit, without_unit
 
 Row = dict[str, float]
@@ -26,15 +28,15 @@ COLUMNS = (
     "time", "growth", "energy", "newton_iterations", "factorizations", "min_jacobian", "min_gap",
     "inverted_elements", "gyrification_index", "negative_pivots", "step", "residual", "seconds",
 )  # fmt: skip
-CHECK = "crc32"
+CHECK, OF_RUN = "crc32", " of run "
 
 
 class History:
     """The file while it is written: rows are appended, and all are written anew when columns are added."""
 
-    def __init__(self, path: Path, unit: Callable[[str], str] = lambda name: "") -> None:
-        """Begin with no rows; unit: of the numbers of a name."""
-        self.path, self._unit = path, unit
+    def __init__(self, path: Path, unit: Callable[[str], str] = lambda name: "", run: str = "") -> None:
+        """Begin with no rows; unit: of the numbers of a name.  run: whose rows they are."""
+        self.path, self._unit, self._run = path, unit, run
         self.rows: list[Row] = []
         self._columns: list[str] = []
         self._check = 0
@@ -58,8 +60,9 @@ class History:
         names = (with_unit(name, self._unit(name)) for name in self._columns)
         table = ",".join(names) + "\n" + lines(self.rows, self._columns)
         head, *rows = table.splitlines(keepends=True)
-        self._check = crc32(head.encode())
-        signed = f"{head.rstrip()},{CHECK}\n" + "".join(map(self._signed, rows))
+        first = f"{head.rstrip()},{CHECK}{OF_RUN}{self._run}\n" if self._run else f"{head.rstrip()},{CHECK}\n"
+        self._check = crc32((first if self._run else head).encode())
+        signed = first + "".join(map(self._signed, rows))
         write_whole(self.path, signed.encode(), make_folder=False)
         with writing(self.path):
             self._file = os.fdopen(open_unlinked(self.path, os.O_APPEND), "a", newline="", encoding="utf-8")
@@ -74,28 +77,38 @@ class History:
         return f"{line.rstrip()},{self._check}\n"
 
 
-def read_history(path: Path) -> list[Row]:
+def read_history(path: Path, identity: Identity | None = None) -> list[Row]:
     """Return the rows of the history in a folder, none where there is no file yet.
 
-    A last row that was cut off is left out. Raises CorruptFileError where another one is damaged.
+    A last row that was cut off is left out. Raises CorruptFileError where another one is damaged, or where
+    they are not of the run.
     """
     file = path / "history.csv"
     if not file.exists():
         return []
-    rows, damage = sound_rows(read_bytes(file))
+    content = read_bytes(file)
+    rows, damage = sound_rows(content)
     if damage:
         raise CorruptFileError(f"{file}: {damage}. Go on with resume=True (--resume), or run it again.")
+    if identity is not None:
+        identity.check(file, run_of(content))
     return rows
+
+
+def run_of(content: bytes) -> str | None:
+    """Return of which run a history says it is; None of one of an earlier version, which says nothing."""
+    _, found, run = content.partition(b"\n")[0].decode(errors="replace").rpartition(CHECK + OF_RUN)
+    return run if found else None
 
 
 def sound_rows(content: bytes) -> tuple[list[Row], str]:
     """Return the rows of a history up to the first damaged one, and what is wrong with that one, if any."""
     head, *lines_after = content.split(b"\n")[:-1] or [b""]  # what follows the last line's end is no line yet
     names, _, last = head.rpartition(b",")
-    if last != CHECK.encode():
+    if last.split(b" ")[0] != CHECK.encode():
         return [], "its first line is damaged"
     columns = [without_unit(name)[0] for name in names.decode(errors="replace").split(",")]
-    check = crc32(names + b"\n")
+    check = crc32((names if last == CHECK.encode() else head) + b"\n")
     rows: list[Row] = []
     for k, line in enumerate(lines_after):
         numbers, _, found = line.rpartition(b",")

@@ -10,7 +10,8 @@ from typing import Any
 from .document import read_scene
 from .files import CorruptFileError, FilePath
 from .history import read_history
-from .reading import read_ending, read_states
+from .identity import Identity
+from .reading import check_frames, read_ending, read_states
 from .result import Result
 
 
@@ -24,7 +25,7 @@ def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     known: classes and functions from outside turingfold that the scene is made of.
     Warns (UnfinishedWarning) of a result that did not reach its scene's end.
     Raises ValueError if the folder holds no result or one whose scene cannot be rebuilt, CorruptFileError
-    where a file is damaged.
+    where a file is damaged or of another run.
     """
     result = read_result(folder, known=known)
     if end := result.unfinished:
@@ -36,12 +37,13 @@ def load(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
 def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     """Do what `load` does, without a warning."""
     path = Path(folder)
-    scene, ending = read_scene(path, known), read_ending(path)
-    states = read_states(path)
+    scene, ending, identity = read_scene(path, known), read_ending(path), Identity.at(path)
+    states = read_states(path, identity)
+    check_frames(path, identity)
     if not states:
         raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
     # a killed run loses what is beyond the last state with a row, or the last row with a state
-    history = [row for row in read_history(path) if row["time"] <= states[-1].time]
+    history = [row for row in read_history(path, identity) if row["time"] <= states[-1].time]
     states = [state for state in states if state.time <= (history[-1]["time"] if history else 0.0)]
     found = states[-1].time if states else None, len(history)
     if ending.time is not None and found != (ending.time, ending.steps):

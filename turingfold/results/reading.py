@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import reprlib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import NoneType
+from typing import Any
 
 from ..state import State
 from .checkpoint import from_arrays
-from .files import CorruptFileError, read_arrays, read_json
+from .files import CHECKSUM, CorruptFileError, read_json, unsigned
+from .history import read_history
+from .identity import RUN, ForeignFileError, Identity
 from .lock import writer
 
 # what results of earlier versions do not say
@@ -55,7 +59,7 @@ def read_ending(path: Path) -> Ending:
     if not file.exists():
         name = writer(path)
         return Ending("running", f"It is being written by {name}.") if name else Ending()
-    summary = read_json(file)
+    summary = read_summary(path)
     for name, kind in KINDS.items():
         if name in LATER and name not in summary:
             summary[name] = LATER[name]
@@ -67,15 +71,29 @@ def read_ending(path: Path) -> Ending:
     return Ending(**{name: summary[name] for name in KINDS})
 
 
-def read_states(path: Path) -> list[State]:
+def read_summary(path: Path) -> dict[str, Any]:
+    """Return what summary.json says; raises CorruptFileError where it was changed or is of another run."""
+    file, identity = path / "summary.json", Identity.at(path)
+    summary = read_json(file)
+    if identity.everywhere or CHECKSUM in summary:
+        try:
+            summary = unsigned(summary, file)
+        except CorruptFileError as error:
+            remedy = "Go on with resume=True (--resume), which writes it anew."
+            raise CorruptFileError(f"{error} {remedy}") from error
+    identity.check(file, summary.get(RUN))
+    return summary
+
+
+def read_states(path: Path, identity: Identity) -> list[State]:
     """Return the kept states, and the last one, which of a run that was killed is in the checkpoint only.
 
-    Damaged ones are left out, with a warning.
+    Damaged ones, and those of another run, are left out, with a warning.
     """
     states, last = [], ""
     for file in sorted((path / "states").glob("*.npz")):
         try:
-            states.append(state_of(file))
+            states.append(state_of(file, identity))
             last = file.stem
         except CorruptFileError as error:
             warnings.warn(str(error), stacklevel=3)
@@ -83,17 +101,54 @@ def read_states(path: Path) -> list[State]:
         if file.stem.removeprefix("checkpoint-") <= last:
             break
         try:
-            return [*states, from_arrays(read_arrays(file)).progress.state]
+            return [*states, from_arrays(identity.read(file)).progress.state]
         except CorruptFileError as error:
             if file.exists():  # a run that goes on removes old ones
                 warnings.warn(str(error), stacklevel=3)
     return states
 
 
-def state_of(file: Path) -> State:
-    """Return the state in a file; raises CorruptFileError where it is damaged."""
-    fields = read_arrays(file)
+def state_of(file: Path, identity: Identity) -> State:
+    """Return the state in a file; raises CorruptFileError where it is damaged, or of another run."""
+    fields = identity.read(file)
     time = fields.pop("time", None)
     if time is None or time.shape or "displacement" not in fields:
         raise CorruptFileError(f"{file} holds no state.")
     return State(float(time), fields)
+
+
+def check_frames(path: Path, identity: Identity) -> None:
+    """Warn of the list of frames, and of frames, that are damaged or of another run."""
+    listed = path / "frames.pvd"
+    for file in [*([listed] if listed.exists() else []), *sorted((path / "frames").glob("*.vtu"))]:
+        try:
+            identity.check_comment(file)
+        except CorruptFileError as error:
+            if file.exists():  # a run that goes on removes some
+                warnings.warn(str(error), stacklevel=3)
+
+
+def check_scene_is_own(path: Path) -> None:
+    """Raise ForeignFileError for a scene.json that is of another run than everything beside it."""
+    identity, own, other = Identity.at(path), 0, 0
+    checks: dict[Path, Callable[[], object]] = {
+        path / "history.csv": partial(read_history, path, identity),
+        path / "summary.json": partial(read_summary, path),
+        **{file: partial(identity.read, file) for file in path.glob("checkpoint-*.npz")},
+    }
+    for file, check in checks.items():
+        if not file.exists():
+            continue
+        try:
+            check()
+            own += 1
+        except ForeignFileError:
+            other += 1
+        except CorruptFileError:  # of damage it is not known
+            continue
+    if other and not own:
+        raise ForeignFileError(
+            f"{path / 'scene.json'} is of another run than the files beside it. Put back the one that was "
+            "here, choose another folder (out=..., --out DIR), or replace what is here (overwrite=True, "
+            "--overwrite)."
+        )

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 class Frames:
     """The VTU files of a scene's states: of their mesh, what is written is made once."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, comment: str = "") -> None:
+        self.scene, self._comment = scene, comment
         self._grid = grid(_points(scene.body), scene.body.triangles.T)
 
     def content(self, state: State, observed: Mapping[str, Array]) -> bytes:
@@ -36,7 +36,7 @@ class Frames:
         Warp By Vector shows the deformed shape.
         """
         at_nodes, in_triangles = _fields(self.scene.body, state, observed)
-        return vtu(self._grid, self._named(at_nodes), self._named(in_triangles), state.time)
+        return vtu(self._grid, self._named(at_nodes), self._named(in_triangles), state.time, self._comment)
 
     def _named(self, fields: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
         return {with_unit(name, stored_unit(self.scene, name)): own for name, own in fields.items()}
@@ -108,15 +108,15 @@ def in_cells(body: Body, values: Array) -> Array:
     return np.asarray((weights * values).sum(0) / weights.sum(0))
 
 
-def index(frames: Iterable[tuple[float, str]]) -> bytes:
-    """Return the PVD file that lists (time, file) of each frame."""
+def index(frames: Iterable[tuple[float, str]], comment: str = "") -> bytes:
+    """Return the PVD file that lists (time, file) of each frame, with a comment on its second line."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(root, "Collection")
     for time, file in sorted(frames):
         ElementTree.SubElement(collection, "DataSet", timestep=repr(time), group="", part="0", file=file)
     ElementTree.indent(root)
     text: str = ElementTree.tostring(root, encoding="unicode")
-    return f'<?xml version="1.0"?>\n{text}\n'.encode()
+    return "".join(f"{line}\n" for line in ('<?xml version="1.0"?>', comment, text) if line).encode()
 
 
 def entries(content: bytes) -> list[tuple[float, str]]:

@@ -41,18 +41,20 @@ def grid(points: Array, triangles: Integers) -> bytes:
 
 
 def vtu(
-    shared: bytes, at_nodes: Mapping[str, NDArray[Any]], in_triangles: Mapping[str, NDArray[Any]], time: float
-) -> bytes:
+    shared: bytes, at_nodes: Mapping[str, NDArray[Any]], in_triangles: Mapping[str, NDArray[Any]],
+    time: float, comment: str = "",
+) -> bytes:  # fmt: skip
     """Return a file of a `grid` with fields at nodes, (n,) or (n, k), and in triangles, (e,) or (e, k).
 
-    time: by which ParaView knows the file.
+    time: by which ParaView knows the file.  comment: of XML, for its second line.
     """
     when = (
         '<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
         f"{time!r}</DataArray></FieldData>\n"
     )
     return b"".join([
-        b'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" ',
+        b'<?xml version="1.0"?>\n', f"{comment}\n".encode() if comment else b"",
+        b'<VTKFile type="UnstructuredGrid" version="0.1" ',
         f'byte_order="{ORDER}" header_type="UInt32" compressor="vtkZLibDataCompressor">\n'.encode(),
         f"<UnstructuredGrid>{when}".encode(), shared,
         _section("PointData", at_nodes), _section("CellData", in_triangles),
