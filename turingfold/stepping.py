@@ -22,7 +22,9 @@ class Stepping:
     one that fails is halved and starts again from the untouched state.
     tolerance: residual at which an equilibrium counts, relative to the forces that balance in it; at most
     LOOSEST.
-    iterations: Newton iterations allowed in one step.  seconds: limit on the run time.
+    iterations: Newton iterations allowed in one step.  seconds: limit on the run time, of the start and the
+    march: what is under way, such as a factorisation, is ended first. It counts neither making the body nor,
+    of a run that reaches its end, estimates of its errors.
     stops: times of the scene at which a step ends, and whose states are kept; no later than `until`.
     scheme: of scenes with inertia or drag: "euler", in which forces balance at the end of each step (first
     order, never gains energy), or "midpoint", in which they do in its middle (second order, loses none).

@@ -1,6 +1,7 @@
 """Estimated errors against those that a reference on finer meshes shows: between a third and three times."""
 
 import json
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,8 +15,11 @@ from turingfold import (
     Elastic,
     NeoHookean,
     Scene,
+    Stepping,
+    StoppedError,
     StressGrowth,
     TangentialGrowth,
+    UnfinishedWarning,
     load,
     semicircle,
     simulate,
@@ -145,6 +149,29 @@ def test_errors_are_kept_in_the_folder_and_absent_when_off(tmp_path):
     off = simulate(scene, tmp_path / "off", errors=False)
     assert off.errors == simulate(scene).errors == {}
     assert "error estimate" not in off.seconds_by_part
+
+
+def test_a_time_limit_leaves_no_time_for_estimates(tmp_path, monkeypatch):
+    late, rows = [0.0], []
+    for module in ("solve.newton", "results.simulate"):
+        monkeypatch.setattr(f"turingfold.{module}.perf_counter", lambda: time.perf_counter() + late[0])
+
+    def stall(row):
+        rows.append(row)
+        late[0] = 200.0 if len(rows) == 2 else 0.0
+
+    scene = elastic_scene(stepping=Stepping(first=0.1, largest=0.1, seconds=100.0))
+    with pytest.raises(StoppedError, match="time limit of 100 s"):
+        simulate(scene, tmp_path / "out", progress=stall)
+    late[0] = 0.0
+    with pytest.warns(UnfinishedWarning):
+        found = load(tmp_path / "out")
+    assert len(found.history) == 2
+    assert found.errors == found.quadrature_errors == {}
+    assert found.no_errors == found.no_step_errors == "The time limit was reached."
+    assert "error estimate" not in found.seconds_by_part
+    whole = simulate(scene, tmp_path / "out", resume=True)
+    assert whole.errors["energy"] > 0
 
 
 def test_a_motion_says_why_it_has_none():

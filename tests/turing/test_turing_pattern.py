@@ -1,5 +1,6 @@
 """Modes, steady patterns and the process: counts, certificates, orders against the spectral solution."""
 
+import itertools
 from time import perf_counter
 
 import numpy as np
@@ -335,3 +336,20 @@ def test_a_pattern_round_a_closed_band_may_hardly_be_held_in_its_place(half_wave
     assert pattern.steady.residual < 1e-12
     along = pattern.normalised[pattern.design.line[:-1]]
     assert np.count_nonzero(np.diff(np.sign(np.append(along, along[0]) - 0.5))) == half_waves
+
+
+def test_the_search_for_a_pattern_heeds_the_time_limit_wherever_it_is(monkeypatch):
+    """With a clock that ticks when it is read, it ends at the next one; eigenvalues take most of them."""
+    ticks = itertools.count()
+    for module in ("steady", "process"):
+        monkeypatch.setattr(f"turingfold.turing.{module}.perf_counter", lambda: next(ticks))
+    band, turing = semicircle(radius=1.0, thickness=0.2, elements=2), Turing(Brusselator(), half_waves=12)
+    turing.pattern(band, deadline=1e9)
+    whole = next(ticks)
+    steps = turing.pattern(band, deadline=1e9).steady.steps
+    assert whole > 3 * steps  # so that it is heeded after the run, too
+    for limit in (0, whole // 2, whole - 2):
+        ticks = itertools.count()
+        with pytest.raises(NotConvergedError, match=r"the time limit was reached .*--max-seconds"):
+            turing.pattern(band, deadline=limit)
+        assert next(ticks) <= limit + 3

@@ -72,7 +72,7 @@ def of_keeping() -> argparse.ArgumentParser:
     found = _group()
     found.add_argument(
         "--max-seconds", type=seconds, default=float("inf"), metavar="S",
-        help="stop each scene after that time; --resume goes on",
+        help="stop the march of each scene after that time, without error estimates; --resume goes on",
     )  # fmt: skip
     found.add_argument("--frames", type=at_least_one, metavar="N", help="states kept, evenly in time (20)")
     found.add_argument("--no-vtu", action="store_false", dest="vtu", help="write no files for ParaView")

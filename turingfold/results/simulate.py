@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 GO_ON = "The last accepted state is kept; go on with resume=True (--resume)."
 FRAMES = 20  # states kept on disk
 CUT = "The estimate was interrupted."
+OUT_OF_TIME = "The time limit was reached."
 CHECKPOINT = 1.0  # s between checkpoints
 FAULTS = (  # of states that are none of a body: column of the history, what it counts, and what to try
     ("inverted_elements", "triangles that are turned over somewhere", "smaller elements or less growth"),
@@ -78,7 +79,8 @@ def simulate(
     frames: states kept on disk, evenly spaced in time, beside those at the stops of its stepping.
     vtu: whether these are also written as frames for ParaView.
     errors: whether to estimate how far the last state's numbers are off, by the mesh and by the steps; by
-    default where `out` keeps them. Of scenes that move or remember that takes half as long as the march.
+    default where `out` keeps them. Of scenes that move or remember that takes half as long as the march. None
+    after a time limit.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
     Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
     OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
@@ -247,7 +249,9 @@ class _Run:
         states, history = tuple(self.states), tuple(self.history)
         result = Result(self.scene, states, history, status, message, self._seconds(), self._parts())
         self._log(f"{status}: {self._where()}" + (f"\n{message}" if message else ""))
-        if self.errors and history and status != "interrupted":
+        if self.errors and history and status == "stopped" and perf_counter() > self.problem.deadline:
+            result = replace(result, no_errors=OUT_OF_TIME, no_step_errors=OUT_OF_TIME)
+        elif self.errors and history and status != "interrupted":
             result = self._with_errors(result)
         if self.folder is not None:
             self.folder.summarise(result.summary())

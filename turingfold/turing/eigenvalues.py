@@ -14,6 +14,8 @@ Cayley transforms for stability: Meerbergen, Spence, Roose (1994) BIT 34:409.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigvals, orth
@@ -46,11 +48,14 @@ def unstable_box(system: ReactionDiffusion, state: Array) -> tuple[float, float]
     return ALLOWANCE * max(float(right.max()), 0.0), ALLOWANCE * high
 
 
-def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, tolerated: float = 0.0) -> Complexes:
+def rightmost_eigenvalues(
+    system: ReactionDiffusion, state: Array, tolerated: float = 0.0, heed: Callable[[], object] = lambda: None
+) -> Complexes:
     """Return eigenvalues at a state by descending real part: every one with Re λ ≥ 0, and those next to it.
 
     Where one exceeds `tolerated`, the rate up to which a perturbation may grow, others of that kind may be
     missing.
+    heed: is called by and by, and may raise to end the search.
     Raises NotConvergedError if stability cannot be decided with MOST eigenvalues.
     """
     n = 2 * system.space.size
@@ -67,6 +72,7 @@ def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, tolerated: fl
         return solve(system.times_mass(x.reshape(2, -1))).ravel()
 
     def damped_cayley(x: Array) -> Array:
+        heed()
         y = sigma * inverse(x)
         for _ in range(POWER):
             y = 2 * sigma * inverse(y) - y
@@ -92,20 +98,29 @@ def rightmost_eigenvalues(system: ReactionDiffusion, state: Array, tolerated: fl
     )
 
 
-def eigenvalue_near(system: ReactionDiffusion, state: Array, guess: complex) -> complex:
-    """Return the eigenvalue nearest to a guess that is not real."""
+def eigenvalue_near(
+    system: ReactionDiffusion, state: Array, guess: complex, heed: Callable[[], object] = lambda: None
+) -> complex:
+    """Return the eigenvalue nearest to a guess that is not real; heed: as of `rightmost_eigenvalues`."""
     n = 2 * system.space.size
     matrix = system.matrix(state)
     mass = system.matrix(state, 1.0) - matrix
     factors = splu(csc_array(matrix + guess * mass), permc_spec="MMD_AT_PLUS_A")
-    inverse = LinearOperator((n, n), matvec=lambda x: factors.solve(mass @ x), dtype=complex)
+
+    def apply(x: Array) -> Array:
+        heed()
+        return np.asarray(factors.solve(mass @ x))
+
+    inverse = LinearOperator((n, n), matvec=apply, dtype=complex)
     return _nearest(inverse, guess, 1)
 
 
-def eigenvalue_right(system: ReactionDiffusion, state: Array) -> complex:
+def eigenvalue_right(
+    system: ReactionDiffusion, state: Array, heed: Callable[[], object] = lambda: None
+) -> complex:
     """Return the one with the largest real part of the four eigenvalues nearest to a point right of zero.
 
-    The point is 0.03 times the size of the reaction's own rates.
+    The point is 0.03 times the size of the reaction's own rates.  heed: as of `rightmost_eigenvalues`.
     """
     p_u, _, _, q_v = system.kinetics.derivatives(*state)
     point = 0.03 * float(max(np.abs(p_u).max(), np.abs(q_v).max()))
@@ -113,6 +128,7 @@ def eigenvalue_right(system: ReactionDiffusion, state: Array) -> complex:
     n = 2 * system.space.size
 
     def apply(x: Array) -> Array:
+        heed()
         return solve(system.times_mass(x.reshape(2, -1))).ravel()
 
     return _nearest(LinearOperator((n, n), matvec=apply, dtype=float), point, 4)

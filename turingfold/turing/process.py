@@ -204,7 +204,8 @@ def _linear_first(turing: Turing, body: Body, design: Design, begin: Array, dead
     guess = on_quadratic(settled.state, mesh)
     if turing.symmetric and not body.mirror:
         guess = 0.5 * (guess + guess[:, mirrored(quadratic.space.nodes)])
-    return Pattern(design, quadratic, continue_on_finer(quadratic, settled, guess, tolerated=drift))
+    steady = continue_on_finer(quadratic, settled, guess, tolerated=drift, deadline=deadline)
+    return Pattern(design, quadratic, steady)
 
 
 def on_quadratic(vertices: Array, mesh: MeshTri1) -> Array:

@@ -123,7 +123,9 @@ class SeededOnBody(Steady):
             least=FLAT * np.ptp(begin, axis=1),
         )  # fmt: skip
         guess = on_quadratic(settled.state, self.mesh)
-        found = continue_on_finer(self.quadratic, settled, guess, tolerated=drift).state
+        found = continue_on_finer(
+            self.quadratic, settled, guess, tolerated=drift, deadline=self.deadline
+        ).state
         refuse_negative(own.kinetics, found)
         activator, inhibitor = found if own.activator == "u" else found[::-1]
         return {"activator": activator, "inhibitor": inhibitor, "pattern": normalised(activator)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -136,7 +137,9 @@ def settle(
                     state, residual, iterations = newton(system, moment.state)
                 except NotConvergedError:
                     continue
-                eigenvalues = rightmost_eigenvalues(system, state, tolerated)
+                eigenvalues = rightmost_eigenvalues(
+                    system, state, tolerated, partial(check_deadline, deadline, spent[0])
+                )
                 leading = complex(eigenvalues[0])
                 if leading.real < tolerated:
                     return SteadyState(state, residual, eigenvalues, *spent, iterations)
@@ -171,8 +174,8 @@ def check_deadline(deadline: float, time: float) -> None:
     """Raise NotConvergedError if `time.perf_counter` is past the deadline."""
     if perf_counter() > deadline:
         raise NotConvergedError(
-            f"the time limit was reached while the pattern evolved, at {time:.4g}; allow more with "
-            "Stepping(seconds=...), or use fewer elements.",
+            f"the time limit was reached while the pattern was sought, at {time:.4g}; allow more with "
+            "Stepping(seconds=...) (--max-seconds), or use fewer elements.",
             time=time,
         )
 
@@ -187,20 +190,23 @@ def _reason(leading: complex) -> str:
 
 
 def continue_on_finer(
-    system: ReactionDiffusion, coarse: SteadyState, state: Array, *, tolerated: float = 0.0
-) -> SteadyState:
+    system: ReactionDiffusion, coarse: SteadyState, state: Array, *, tolerated: float = 0.0,
+    deadline: float = math.inf,
+) -> SteadyState:  # fmt: skip
     """Polish a steady state of linear elements, interpolated to `state`, on quadratic ones, and certify it.
 
     The linear elements show that no unstable eigenvalue is missing. The rightmost real eigenvalue and, where
     one is near instability, the rightmost complex pair are computed anew on the quadratic elements.
-    tolerated: rate up to which a perturbation may grow.
+    tolerated: rate up to which a perturbation may grow.  deadline: of `time.perf_counter`.
     Raises NotConvergedError if Newton's method fails or the steady state is unstable.
     """
+    heed = partial(check_deadline, deadline, coarse.time)
+    heed()
     state, residual, iterations = newton(system, state)
-    found = [eigenvalue_right(system, state)]
+    found = [eigenvalue_right(system, state, heed)]
     pairs = coarse.eigenvalues[coarse.eigenvalues.imag > 0]
     if len(pairs):
-        found.append(eigenvalue_near(system, state, complex(pairs[0])))
+        found.append(eigenvalue_near(system, state, complex(pairs[0]), heed))
     leading = max(found, key=lambda value: value.real)
     if leading.real >= tolerated:
         raise NotConvergedError(
