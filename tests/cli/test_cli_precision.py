@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from turingfold import load, simulate
+from turingfold.cli import precision, trials
 from turingfold.cli.case import find_case, load_case
 from turingfold.cli.main import main
 from turingfold.cli.trials import SAFETY, Errors, Size, Trial, best, confirmed, judged_anew, onward
@@ -129,6 +130,28 @@ def test_after_a_run_near_a_limit_of_stability_two_others_must_agree():
     assert not confirmed([soft, trial(3.9, 0.001)])
     assert onward([soft, trial(3.9, 0.001)], 0.01, float).elements == pytest.approx(5.07)
     assert confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001)])
+    assert not confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001, value=1.1)])
+    assert confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001, value=1.1), trial(6.6, 0.001, value=1.1)])
+
+
+def test_a_run_that_is_coarser_than_one_near_a_limit_of_stability_is_not_believed():
+    coarse, soft = trial(3, 0.001), Trial(Size(5), soft=True)
+    judged = judged_anew([coarse, soft])
+    assert judged[0].worst == math.inf
+    assert not confirmed(judged)
+    assert min(judged, key=lambda one: one.rank) is judged[1]
+    stopped = Trial(Size(6))
+    assert min([*judged, stopped], key=lambda one: one.rank) is judged[1]
+
+
+def test_where_every_run_is_near_a_limit_the_finest_is_kept_and_it_is_said(case, capsys, monkeypatch):
+    monkeypatch.setattr(precision, "soft_words", lambda share: "near a limit")
+    monkeypatch.setattr(trials, "RUNS", 2)
+    told, facts = ran(capsys, "--accuracy", "5%", status=3)
+    assert "no two finer ones agree" in " ".join(told.split())
+    assert facts["reached"] is None
+    assert facts["elements"] == max(chosen(told)) > 3.0
+    assert load("results/tiny/only").converged
 
 
 def test_after_a_run_that_is_no_better_comes_a_finer_one_by_the_best():

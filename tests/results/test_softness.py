@@ -63,6 +63,18 @@ def test_it_is_the_least_eigenvalue_of_the_tangent_by_its_convex_part():
     assert softness(problem, result.last) == pytest.approx(least, rel=0.01)
 
 
+def test_it_is_negative_where_the_tangent_is_not_positive_definite():
+    scene = elastic_scene(TangentialGrowth(cortex=2.3))
+    last, problem = simulate(scene).last, Problem(scene)
+    state = last.updated(displacement=np.zeros_like(last["displacement"]))  # far from any equilibrium
+    at, assembler = at_rest(problem, state), Assembler(problem.n_dofs, problem.held)
+    values = scipy.linalg.eigh(*(matrix(assembler, at, c) for c in (0.0, 1.0)), eigvals_only=True)
+    assert values[0] < 0 < values[-1]
+    nearest = values[values < 0].max()
+    assert softness(problem, state) == pytest.approx(nearest, rel=0.02)
+    assert "no minimum" in soft_words(nearest)
+
+
 def test_nothing_is_softer_where_nothing_presses():
     scene = elastic_scene(TangentialGrowth(cortex=1 + 1e-9))
     assert softness(Problem(scene), simulate(scene).last) == pytest.approx(1.0, abs=1e-6)

@@ -96,7 +96,7 @@ class _Search:
             self.ends = list(outcomes(self.case, plan, asked, self.how(size)))
             last = _judged(size, self.base, plan, self.ends)
             self.trials = judged_anew([*self.trials, last])
-            if not self.kept_ends or self.trials[-1].worst < self.trials[self.kept].worst:
+            if not self.kept_ends or self.trials[-1].rank < self.trials[self.kept].rank:
                 self.kept, self.kept_ends = len(self.trials) - 1, self.ends
         say(f"run {len(self.trials)}, {size}: {_told(self.trials[-1], plan)}")
 
@@ -126,21 +126,21 @@ class _Search:
         """Say what was reached, and what the best run has found; raises ValueError without an estimate."""
         own = self.trials[self.kept]
         plan = planned(self.case, self.asked(own.size))
-        if own.errors is None and all(end.status == "converged" for end in self.kept_ends):
+        believed = confirmed(self.trials)
+        if own.errors is None and not own.soft and all(end.status == "converged" for end in self.kept_ends):
             raise ValueError(
                 f"{self.case.shown}, {own.size}: --accuracy finds no estimate of its errors: {own.why}; "
                 f"leave --accuracy out, or set {ELEMENTS} by hand."
             )
         answer = answered(self.case, plan, self.kept_ends, self.asked(own.size), self.how(own.size))
-        if own.errors is None:
+        if own.errors is None and not own.soft:
             return answer
-        worst, others = own.worst, [one.errors for one in self.trials if one is not own]
-        if any(other is not None and other.folds != own.errors.folds for other in others[-1:]):
+        others = [one.errors for one in self.trials if one is not own and one.errors is not None]
+        if own.errors is not None and any(other.folds != own.errors.folds for other in others[-1:]):
             say("accuracy: other runs have another number of sulci; errors are those of one branch")
         runs = [{**_facts(one.size, one.worst), "no_errors": one.why} for one in self.trials]
+        worst = own.worst if believed else math.inf
         facts = {"asked": accuracy, **_facts(own.size, worst), "runs": runs}
-        if not confirmed(self.trials):
-            worst = math.inf
         reached = max(answer.status, _reached(accuracy, worst, own.size))
         return Answer(reached, {**answer.facts, "accuracy": facts})
 
@@ -223,7 +223,10 @@ def _judged(size: Size, base: Path, plan: Sequence[Planned], ends: Sequence[Outc
         for errors in ("errors", "step_errors"):
             if not summary[errors]:
                 return Trial(size, why=f"scene {one.name!r}: {summary[f'no_{errors}']}")
-        if soft := soft_words(summary["softness"]):
+        soft = soft_words(summary["softness"])
+        if summary["softness"] is None:
+            soft = "how near it is to a limit of stability is not known"
+        if soft:
             return Trial(size, why=f"scene {one.name!r}: {soft}", soft=True)
         found += [((one.name, name), summary) for name in summary["errors"] if summary[name]]
         folds[one.name] = summary["folds"]
@@ -253,6 +256,12 @@ def _reached(accuracy: float, worst: float, size: Size) -> int:
     if worst <= accuracy:
         say(f"accuracy: {_percent(worst)} by the estimates, asked {_percent(accuracy)}; {size}")
         return 0
+    if not math.isfinite(worst):
+        complain(
+            f"--accuracy {_percent(accuracy)} was not reached: a run was near a limit of stability, and no "
+            f"two finer ones agree within their estimates; {size} is kept."
+        )
+        return STOPPED
     complain(
         f"--accuracy {_percent(accuracy)} was not reached: {size}, the best run, leaves errors of up to "
         f"{_percent(worst)} by the estimates."

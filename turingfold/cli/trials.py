@@ -65,7 +65,7 @@ class Trial:
     """A run of all scenes; errors: None where there is no estimate of them.
 
     worst: the largest relative error, of the number `of`.  why: there is no estimate.  soft: it is near a
-    limit of stability.
+    limit of stability, so that no estimate of its errors counts.
     """
 
     size: Size
@@ -103,14 +103,26 @@ class Trial:
             return False
         return self.errors.far_from(other.errors)
 
+    @property
+    def rank(self) -> tuple[float, bool, float]:
+        """What is smaller of a better run; of those that are not believed, the finest that ended."""
+        ended = self.soft or self.errors is not None
+        return self.worst, not ended, -self.size.elements if ended else 0.0
+
 
 def judged_anew(trials: Sequence[Trial]) -> list[Trial]:
-    """Return all runs, each judged by all others."""
-    return [
-        one if one.errors is None
-        else Trial.judged(one.size, one.errors, [other for other in trials if other is not one])
-        for one in trials
-    ]  # fmt: skip
+    """Return all runs, each judged by all others; none is believed that is coarser than one that is soft."""
+    found, least = [], _finest_soft(trials)
+    for one in trials:
+        if one.errors is not None:
+            one = Trial.judged(one.size, one.errors, [other for other in trials if other is not one])
+        found.append(one if one.size.elements > least else replace(one, worst=math.inf))
+    return found
+
+
+def _finest_soft(trials: Sequence[Trial]) -> float:
+    """Return the elements of the finest run near a limit of stability, 0 without any."""
+    return max((one.size.elements for one in trials if one.soft), default=0.0)
 
 
 def best(trials: Sequence[Trial]) -> Trial:
@@ -119,13 +131,20 @@ def best(trials: Sequence[Trial]) -> Trial:
 
 
 def confirmed(trials: Sequence[Trial]) -> bool:
-    """Return whether runs that have an estimate are enough to be believed.
+    """Return whether the runs that have an estimate are enough to be believed.
 
-    One is, but where a run was near a limit of stability: another mesh may then be past it by chance.
+    One is, but where a run was near a limit of stability two finer ones have to agree: another mesh may be
+    past the limit by chance.
     """
-    judged = [one.size.elements for one in trials if one.errors is not None]
-    return bool(judged) and (
-        not any(one.soft for one in trials) or max(judged) > (CONFIRMS - 0.05) * min(judged)
+    least = _finest_soft(trials)
+    judged = [(one.size.elements, one.errors) for one in trials if one.errors is not None]
+    finer = [(elements, errors) for elements, errors in judged if elements > least]
+    if not least:
+        return bool(finer)
+    return any(
+        more > (CONFIRMS - 0.05) * few and not one.far_from(other)
+        for few, one in finer
+        for more, other in finer
     )
 
 
@@ -137,7 +156,7 @@ def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], 
     if len(trials) == RUNS:
         return None
     own, finest = best(trials), max(trial.size.elements for trial in trials)
-    if not confirmed(trials) and any(one.soft for one in trials):
+    if _finest_soft(trials) and not confirmed(trials):
         wanted = Size(allowed(CONFIRMS * finest), own.size.shorter)
     elif own.errors is None:
         wanted = Size(allowed(ANOTHER * finest), own.size.shorter)

@@ -29,5 +29,5 @@ def holding_words(scene: Scene, force: float | None) -> str:
 def warn_of_holding(scene: Scene, before: Sequence[Mapping[str, float]], force: float) -> None:
     """Warn (HoldingForceWarning) of the first force of a run that is to be told; before: rows before it."""
     words = holding_words(scene, force)
-    if words and not any(holding_words(scene, row["holding_force"]) for row in before):
+    if words and not any(holding_words(scene, row.get("holding_force")) for row in before):
         warnings.warn(words, HoldingForceWarning, stacklevel=5)

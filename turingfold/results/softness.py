@@ -20,8 +20,8 @@ from ..solve.sparsity import Assembler
 from ..state import State
 from .carried import NoEstimateError, at_rest, refuse_motion, solution
 
-# chosen after seeing 0.015 to 0.046 on four meshes that end before a snap which finer ones are past, 0.051 or
-# more past it, and 0.08 to 0.12 of folded bodies of Figure 3 and of document 2 on 2 and 3 elements
+# chosen after seeing 0.015 to 0.046 on four meshes that end before a snap which finer ones are past (0.05 to
+# 0.14 on others), 0.051 or more past it, and 0.08 to 0.12 of folded bodies of Figure 3 and of document 2
 SOFT = 0.05
 CLOSE = 1e-2  # relative error of the softness
 
@@ -40,18 +40,21 @@ def softness(problem: Problem, state: State) -> float:
     tangent, positive, inverse = (LinearOperator(shape, matvec=each, dtype=np.float64) for each in products)
     start: Array = np.random.default_rng(0).standard_normal(shape[0])
     try:
-        found = eigsh(tangent, 1, positive, sigma=0.0, OPinv=inverse, v0=start, tol=CLOSE,
+        # both ends of the inverse's: the negative and the positive eigenvalue that are nearest to zero
+        found = eigsh(tangent, 2, positive, sigma=0.0, which="BE", OPinv=inverse, v0=start, tol=CLOSE,
                       return_eigenvectors=False)  # fmt: skip
     except ArpackError as error:
         raise NoEstimateError(f"the softest displacement is not found: {error}") from error
-    return float(found[0])
+    return float(found.min())
 
 
 def soft_words(share: float | None) -> str:
     """Return what to say of an equilibrium that is nearly unstable, or nothing."""
     if share is None or share >= SOFT:
         return ""
+    if share < 0:
+        return "the last state is past a limit of stability: it is no minimum of the energy"
     return (
-        f"the last one is near a limit of stability (the softest displacement keeps {100 * share:.1f} % of "
+        f"the last state is near a limit of stability (the softest displacement keeps {100 * share:.1f} % of "
         "its stiffness): with a finer mesh it may fold otherwise, which no estimated error includes"
     )
