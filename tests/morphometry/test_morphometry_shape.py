@@ -1,7 +1,10 @@
 """Gyrification, curvature, thickness, walls and registration on curves where they are known."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from morphometry_shapes import angles, comb, ellipse, flower, moved, mushrooms, polygon
@@ -176,6 +179,32 @@ def test_crossings_of_quadratic_lissajous_figures(a, b):
     assert self_intersections(points, closed=True, quadratic=True) == 2 * a * b - a - b
     with pytest.raises(ValueError, match="799 points; the nodes of quadratic segments are an even number"):
         self_intersections(points[:, :-1], closed=True, quadratic=True)
+
+
+@pytest.mark.parametrize("angle", [0.0, 22.5, 45.0, 90.0, 120.0])
+def test_crossings_of_quadratic_segments_are_those_of_another_library(angle):
+    """Straight quadratic segments of a random walk along a wall, counted by GEOS as pairs that cross."""
+    turn = np.exp(1j * np.radians(angle))
+    corners = np.random.default_rng(3).normal(size=(2, 300)).T @ [1, 1j] * turn + np.arange(300) * 0.05 * turn
+    path = np.insert(corners, range(1, 300), 0.5 * (corners[1:] + corners[:-1]))
+    lines = shapely.linestrings(np.stack([corners[:-1], corners[1:]], axis=1).view(float).reshape(-1, 2, 2))
+    i, j = shapely.STRtree(lines).query(lines, predicate="crosses")
+    found = self_intersections(np.stack([path.real, path.imag]), closed=False, quadratic=True)
+    assert found == np.sum(i < j) > 1000
+
+
+@pytest.mark.parametrize("angle", [0.0, 45.0, 90.0, 135.0])
+def test_a_straight_wall_costs_no_pairs_of_all_its_segments(angle):
+    """Of 4000 segments there are 8 million pairs, of 64 MB for each of their numbers; neighbours are few."""
+    along = np.linspace(-1.0, 1.0, 8001) + 0j
+    along[-2:] += [0.5e-3j, 1e-3j]  # a curve cannot be straight from end to end
+    along *= np.exp(1j * np.radians(angle))
+    tracemalloc.start()
+    found = self_intersections(np.stack([along.real, along.imag]), closed=False, quadratic=True)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found == 0
+    assert peak < 30e6
 
 
 def test_crossing_of_two_long_segments_counts_once():

@@ -86,16 +86,28 @@ def _curved_crossings(curves: Array) -> int:
 
 
 def _overlapping(low: Array, high: Array) -> tuple[Integers, Integers]:
-    """Return the pairs of boxes, by their lowest and highest corners (2, m), that overlap."""
-    order = np.argsort(low[0], kind="stable")
+    """Return the pairs of boxes, by their lowest and highest corners (2, m), that overlap.
+
+    Boxes overlap if they do along x and along y. Those of a straight wall all overlap across it, so that pairs
+    are looked for along x, y, or a diagonal: where there are fewest.
+    """
+    (x, y), (right, top) = low, high
+    ways = ((x, right), (y, top), (x + y, right + top), (x - top, right - y))
+    order, count = min((_within_reach(*way) for way in ways), key=lambda found: found[1].sum())
     number = np.arange(order.size)
-    # of those further on in this order, the ones that begin before a box ends
-    count = np.searchsorted(low[0, order], high[0, order], side="right") - number - 1
     before = np.repeat(number, count)
     after = before + 1 + np.arange(before.size) - np.repeat(np.cumsum(count) - count, count)
     i, j = order[before], order[after]
-    meet = (low[1, i] <= high[1, j]) & (low[1, j] <= high[1, i])
-    return i[meet], j[meet]
+    for start, end in ways[:2]:
+        meet = (start[i] <= end[j]) & (start[j] <= end[i])
+        i, j = i[meet], j[meet]
+    return i, j
+
+
+def _within_reach(start: Array, end: Array) -> tuple[Integers, Integers]:
+    """Return the order of intervals by their starts, and how many of the later ones start before each ends."""
+    order = np.argsort(start, kind="stable")
+    return order, np.searchsorted(start[order], end[order], side="right") - np.arange(order.size) - 1
 
 
 def _parted(one: Array, other: Array) -> Booleans:
