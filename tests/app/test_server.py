@@ -114,6 +114,7 @@ def test_a_page_draws_what_is_stored(visitor, here, done):
     last, step = told["frames"][-1], told["frames"][-1]["step"]
     assert step == len(result.history)
     assert last["folds"] == fold_count(result.pial(), thickness=body.thickness)
+    assert last["sulcal_depth"] == result.summary()["sulcal_depth"]
     mesh = unpacked(visitor.ask(f"/api/runs/{done}/mesh")[2])
     fields = unpacked(visitor.ask(f"/api/runs/{done}/frames/{step}")[2])
     np.testing.assert_array_equal(mesh["triangles"], body.triangles.T)

@@ -15,15 +15,13 @@ from typing import Any
 import numpy as np
 
 from ..growth.ages import ages_of
-from ..morphometry.folds import find_folds
 from ..results.document import read_scene
 from ..results.files import CorruptFileError
 from ..results.history import read_history
 from ..results.identity import Identity
 from ..results.loading import read_result
-from ..results.measures import fold_numbers
+from ..results.measures import sulci_of
 from ..results.reading import state_of
-from ..results.result import along_pial, pial_closed
 from ..results.units import length_unit, stress_unit
 from ..results.vtu import arrays_of
 from ..scene import Scene
@@ -72,13 +70,7 @@ class Views:
             state = state_of(folder / "states" / f"{step:06d}.npz", self.identity(folder))
         except CorruptFileError:
             return None
-        if len(body.pial_paths) > 1:
-            several = fold_numbers(body, state)
-            folds, depth = several["folds"], several["sulcal_depth"]
-        else:
-            pial = along_pial(body, (body.nodes + state["displacement"])[:, body.pial])
-            found = find_folds(pial, thickness=body.thickness, closed=pial_closed(body))
-            folds, depth = found.count, found.depth
+        folds, depth = sulci_of(body, state["displacement"])
         ages = ages_of(scene.processes)
         label = ages.label(state.time) if ages else ""
         numbers = {"folds": folds, "sulcal_depth": _number(depth)}
