@@ -267,6 +267,18 @@ def test_a_black_brain_on_white_is_a_brain(tmp_path, kind, words):
     assert [area(loop) for loop in section.pial] == pytest.approx([np.pi * 30**2 * 1e-6], rel=0.01)
 
 
+@pytest.mark.parametrize("white", [1, 255, 0.98])
+def test_of_several_maps_none_is_turned_round(white):
+    """Of 131 by 141 pixels of a quarter mm² all but a disc of 30 mm is gray; the disc is a hole."""
+    hole = np.where(black_on_white("uint8") == 0, white, 0)
+    with pytest.warns(
+        UserWarning, match=f"so that the outline follows them.* give {np.ceil(white):g} minus it as gray"
+    ):
+        (section,) = sections({"gray": white - hole, "hole": hole}, pixel_mm=0.5)
+    assert enclosed(section.holes) == pytest.approx(np.pi * 30**2 * 1e-6, rel=0.01)
+    assert enclosed(section.pial) == pytest.approx(131 * 141 * 0.25e-6, rel=0.01)
+
+
 def test_the_values_of_tissue_can_be_given():
     pixels = black_on_white("uint8")
     (brain_,) = sections(pixels, gray=0, pixel_mm=0.5)

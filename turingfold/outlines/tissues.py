@@ -109,13 +109,15 @@ def _maps(images: Mapping[str, Image], plane: str) -> dict[str, Tissue]:
         same = item.values.shape == first.values.shape
         if not (same and np.allclose(item.affine, first.affine, rtol=1e-4, atol=1e-6)):
             raise ValueError(f"the images of gray and {name} have other voxels; bring them to one grid.")
-    return {name: _map(item, None, plane) for name, item in images.items()}
+    return {name: _map(item, None, plane, name) for name, item in images.items()}
 
 
-def _map(image: Image, level: float | None, plane: str) -> Tissue:
+def _map(image: Image, level: float | None, plane: str, name: str = "") -> Tissue:
     """Return the tissue of which an image is the mask or the map of probability.
 
-    Of the two values of a mask the higher one is tissue, unless it fills most of the edges of the planes.
+    Of the two values of a mask the higher one is tissue; of one that is alone the lower, where the higher
+    fills most of the edges of the planes.
+    name: of one of several images, which are taken as they are.
     """
     values, source = image.values, image.source
     if values.ndim != 3:
@@ -126,7 +128,8 @@ def _map(image: Image, level: float | None, plane: str) -> Tissue:
     if not low < high or (level is not None and not low <= level < high):
         shown = "" if level is None else f"level={level:g}: "
         raise ValueError(f"{shown}{source} has values from {low:g} to {high:g}; the level must lie between.")
-    if known is not None and len(known) == 2:
+    mask = known is not None and len(known) == 2
+    if mask and not name:
         filled = _of_edges(values == high, plane)
         if filled > FRAME:
             warnings.warn(
@@ -135,21 +138,22 @@ def _map(image: Image, level: float | None, plane: str) -> Tissue:
                 stacklevel=4,
             )
         return Tissue(image, partial(np.equal, low if filled > FRAME else high))
-    if known is not None and level is None:
+    if known is not None and level is None and not mask:
         raise ValueError(f"{source} holds {_listed(known)}; name those of gray, white and hole.")
-    if level is None and not (low >= -1e-3 and high <= 1.001):
+    if level is None and not mask and not (low >= -1e-3 and high <= 1.001):
         raise ValueError(
             f"{source} has values from {low:g} to {high:g}: neither labels nor probabilities; give a level."
         )
-    least = 0.5 if level is None else level
+    least = low if mask else 0.5 if level is None else level
     filled = _of_edges(values > least, plane)
     if filled > FRAME:
+        remedy = f"{low + high if mask else 1:g} minus it as {name}" if name else "its negative"
         warnings.warn(
             f"{source}: values above the level {least:g} fill {filled:.0%} of the image's "
-            "edges, so that the outline follows them. Where tissue has the lower values, give its negative.",
+            f"edges, so that the outline follows them. Where tissue has the lower values, give {remedy}.",
             stacklevel=4,
         )
-    return Tissue(image, partial(np.less, level)) if known is not None else Tissue(image, np.asarray, least)
+    return Tissue(image, np.asarray, least) if known is None else Tissue(image, partial(np.less, least))
 
 
 def _of_edges(tissue: Any, plane: str) -> float:
