@@ -223,12 +223,21 @@ def killed(case):
 def test_the_best_run_of_a_search_that_was_killed_is_moved_back(killed, capsys):
     best = (killed / ".best/only/summary.json").read_text()
     assert main(["run", "tiny.py", "--accuracy", "0.005%"]) == 2
-    out, err = capsys.readouterr()
-    assert "the best run of a search that was killed is moved back" in " ".join(out.split())
-    assert "already holds" in " ".join(err.split())
+    out, err = (" ".join(text.split()) for text in capsys.readouterr())
+    assert re.search(
+        r"the best run of a search that was killed is moved back .* already holds .*--overwrite", err
+    )
+    assert err.count("turingfold:") == 1
+    assert "moved back" not in out
     assert [path.name for path in killed.iterdir()] == ["only"]
     assert (killed / "only/summary.json").read_text() == best
     assert load("results/tiny/only").converged
+
+
+def test_a_search_that_may_replace_it_says_first_that_the_best_run_is_moved_back(killed, capsys):
+    assert main(["run", "tiny.py", "--accuracy", "5%", "--overwrite"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert told.index("is moved back from .best") < told.index("run 1,")
 
 
 @pytest.mark.parametrize("words", [(), ("--overwrite",)])

@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from test_results import Breaks
 
 import turingfold as tf
 from turingfold import Stepping, StoppedError, UnfinishedWarning, load, simulate
+from turingfold.results.validity import ended
 from turingfold.results.vtu import entries
 
 HURRIED = Stepping(first=0.1, largest=0.1, smallest=1e-3)
@@ -147,6 +149,53 @@ def test_an_end_with_triangles_turned_over_is_invalid(tmp_path, monkeypatch):
     assert not result.converged
     with pytest.warns(UnfinishedWarning, match=r"invalid at .* 2 of 10 states, the first that of t = 0\.3,"):
         assert load(tmp_path / "out").summary() == result.summary()
+
+
+def rows(**columns):
+    """Return a history of four rows with other numbers in some columns."""
+    usual = {"inverted_elements": [0] * 4, "self_intersections": [0] * 4, "negative_pivots": [0] * 4}
+    table = {"time": [0.25, 0.5, 0.75, 1.0], **usual, **columns}
+    return [dict(zip(table, values, strict=True)) for values in zip(*table.values(), strict=True)]
+
+
+def test_every_fault_of_an_invalid_run_is_named():
+    status, message = ended(
+        rows(inverted_elements=[0, 2, 1, 0], self_intersections=[0, 0, 0, 5]), moves=False
+    )
+    assert status == "invalid"
+    assert "2 of 4 states, the first that of t = 0.5, have triangles that are turned over" in message
+    assert "1 of 4 states, the first that of t = 1, have a boundary that crosses itself" in message
+    assert "smaller elements or less growth, and SelfContact" in message
+    assert "minimum" not in message
+    only = ended(rows(self_intersections=[0, 0, 0, 5]), moves=False)[1]
+    assert "turned over" not in only
+    assert "less growth" not in only
+
+
+@pytest.mark.parametrize(("count", "words"), [(1, "it has 1 direction in"), (3, "it has 3 directions in")])
+def test_a_run_that_ends_on_a_saddle_says_so(count, words):
+    status, message = ended(rows(negative_pivots=[0, 0, 0, count]), moves=False)
+    assert status == "converged"
+    assert message.startswith(f"The last state is no minimum of the energy: {words} which that falls, so")
+    told = ended(rows(negative_pivots=[0, 0, 0, count]), moves=True)[1]
+    assert "no minimum of the step's incremental potential" in told
+    status, message = ended(rows(inverted_elements=[1] * 4, negative_pivots=[0, 0, 0, count]), moves=False)
+    assert status == "invalid"
+    assert words in message
+    assert ended(rows(negative_pivots=[count, count, 2, 0]), moves=False) == ("converged", "")
+
+
+def test_the_saddle_that_a_nearly_incompressible_body_passes_is_told_of_where_it_ends_there(tmp_path):
+    body = tf.semicircle(radius=1.0, thickness=0.25, elements=1, base="roller")
+    solid = tf.Elastic(gray=tf.NeoHookean.from_young(3.0, 0.4995))
+    swelling = tf.Swelling(coefficient=0.8, zone="cortex")
+    scene = tf.Scene(body=body, terms=(solid,), processes=(swelling,), until=0.55)
+    result = simulate(scene, tmp_path / "out", errors=False)
+    assert result.status == "converged"
+    assert result.summary()["negative_pivots"] == 1
+    assert "it has 1 direction in which that falls" in result.message
+    assert load(tmp_path / "out").message == result.message  # without a warning: it is at its end
+    assert simulate(replace(scene, until=0.6)).message == ""
 
 
 def test_a_scene_that_stops_at_once_has_its_start(tmp_path):

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from xml.etree import ElementTree
@@ -420,6 +421,10 @@ def test_a_folder_with_another_result_is_refused(finished):
         simulate(elastic_scene(), folder)
     with pytest.raises(ValueError, match=r"another scene \(scene.until was 1.0 and is 0.5\)"):
         simulate(elastic_scene(until=0.5), folder)
+    more = elastic_scene(stepping=replace(elastic_scene().stepping, iterations=99))
+    told = r"another scene: scene\.stepping\.iterations was 60 and is 99\. .*--max-seconds.* iterations .*new"
+    with pytest.raises(ValueError, match=told):
+        simulate(more, folder, resume=True)
     with pytest.raises(ValueError, match=r"another scene: scene.until was 1.0 and is 0.5"):
         simulate(elastic_scene(until=0.5), folder, resume=True)
 

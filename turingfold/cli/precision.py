@@ -46,8 +46,9 @@ def run_to(accuracy: float, request: Request, running: Running) -> Answer:
     _check(case, request, running)
     own = case.provenance(given_values(case, request)[0], quick=request.quick)["parameters"][ELEMENTS]
     search = _Search(case, request, running)
-    _move_back(search.base)
-    size: Size | None = Size(_allowed(case, max(ENOUGH, FIRST * own)))
+    first = Size(_allowed(case, max(ENOUGH, FIRST * own)))
+    _say_moved(search, first, _move_back(search.base))
+    size: Size | None = first
     try:
         while size is not None:
             search.run(size)
@@ -189,8 +190,23 @@ def _move(source: Path, target: Path, plan: Sequence[Planned]) -> None:
                 (source / name).rename(target / name)
 
 
-def _move_back(base: Path) -> None:
+def _say_moved(search: _Search, size: Size, names: Sequence[str]) -> None:
+    """Say what was moved back; raises ValueError where the search would have to replace it, and may not."""
+    words = f"{search.base}: the best run of a search that was killed is moved back from {ASIDE}"
+    own = {folder_name(one.name) for one in planned(search.case, search.asked(size))}
+    if own.intersection(names) and not search.running.overwrite:
+        raise ValueError(
+            f"{words}, so that the folder already holds a result; keep that (turingfold draw shows it), "
+            "replace it by a new search with --overwrite, or search in another folder (--out DIR)."
+        )
+    if names:
+        say(words)
+
+
+def _move_back(base: Path) -> list[str]:
     """Move the best run of a search that was killed back, in place of the one that it was killed in.
+
+    Returns the folders of its scenes.
 
     Raises ValueError, and moves nothing, where that would replace any other result, or one being written.
     """
@@ -208,8 +224,8 @@ def _move_back(base: Path) -> None:
             shutil.rmtree(base / name, ignore_errors=True)
             (aside / name).rename(base / name)
     if names:
-        say(f"{base}: the best run of a search that was killed is moved back from {ASIDE}")
         shutil.rmtree(aside, ignore_errors=True)
+    return names
 
 
 def _judged(size: Size, base: Path, plan: Sequence[Planned], ends: Sequence[Outcome]) -> Trial:

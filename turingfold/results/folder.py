@@ -338,8 +338,10 @@ def check_folder(path: Path, document: Mapping[str, Any], *, resume: bool, overw
         other = difference(*given) or other
     if resume and other:
         raise ValueError(
-            f"{path} holds the result of another scene: {other}. Resume with the scene it was "
-            "made from, or choose another folder (out=..., --out DIR)."
+            f"{path} holds the result of another scene: {other}. A run that goes on may have another time "
+            "limit (Stepping(seconds=...), --max-seconds), and else the scene that it began with; other "
+            "values, such as more iterations or smaller steps, are a new run: choose another folder "
+            "(out=..., --out DIR) or replace what is there (overwrite=True, --overwrite)."
         )
     if not resume:
         own = "this result" if (path / "summary.json").exists() else "this result, not finished"

@@ -26,6 +26,7 @@ from .holding import warn_of_holding
 from .log import is_due
 from .measures import gyrification, inverted
 from .result import Result, Row, observe
+from .validity import ended
 from .watch import Tracker, watcher
 
 if TYPE_CHECKING:
@@ -36,10 +37,6 @@ FRAMES = 20  # states kept on disk
 CUT = "The estimate was interrupted."
 OUT_OF_TIME = "The time limit was reached."
 CHECKPOINT = 1.0  # s between checkpoints
-FAULTS = (  # of states that are none of a body: column of the history, what it counts, and what to try
-    ("inverted_elements", "triangles that are turned over somewhere", "smaller elements or less growth"),
-    ("self_intersections", "a boundary that crosses itself", "SelfContact among the terms, smaller elements"),
-)
 ENOUGH = 3  # elements through the cortex: the onset of buckling is then within 0.1 %, with 2 within 0.3 %
 
 
@@ -243,7 +240,8 @@ class _Run:
                 self.folder.cut(len(self.history))
             self._save(self.position)
         if reached(self.scene, self.states[-1].time):
-            status, message = _validity(self.history)
+            moves = any(term.resists_motion for term in self.scene.terms)
+            status, message = ended(self.history, moves=moves)
         elif self.folder is not None and self.position is not None:
             self._keep(len(self.history), self.states[-1])
         states, history = tuple(self.states), tuple(self.history)
@@ -338,17 +336,6 @@ class _Run:
     def _parts(self) -> dict[str, float]:
         parts = [*self.parts, *(part for part in self.marching if part not in self.parts)]
         return {part: self.parts.get(part, 0.0) + self.marching.get(part, 0.0) for part in parts}
-
-
-def _validity(history: Sequence[Row]) -> tuple[str, str]:
-    """Return status and message of a run that has reached its end."""
-    for column, fault, remedy in FAULTS:
-        if found := [row for row in history if row[column] > 0]:
-            return "invalid", (
-                f"The end was reached, but {len(found)} of {len(history)} states, the first that of t = "
-                f"{found[0]['time']:.6g}, have {fault}; try {remedy}."
-            )
-    return "converged", ""
 
 
 def _due(before: float, now: float, scene: Scene, frames: int) -> bool:

@@ -18,7 +18,8 @@ def stopped(state: State, stepping: Stepping, until: float, cause: SolveError) -
     residual = f" (residual {cause.residual:.2g})" if np.isfinite(cause.residual) else ""
     return NotConvergedError(
         f"The march stopped at t = {state.time:.6g} of {until:g}: {cause}{residual}. The last good state is "
-        f"kept. Try {more}smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...).",
+        f"kept. Try {more}smaller steps (Stepping(largest=...)), smaller elements, less load, or Drag(...), "
+        "in a new run.",
         time=state.time,
         residual=cause.residual,
     )
