@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..results.document import difference, read_document, stored
+from ..results.identity import FREE
 from ..scene import Scene
 from ..sensitivity.parameters import changed_in
 
-# a fit that goes on may have other targets and another limit on its time
-FREE = ("versions", "date", "case", "scene.stepping.seconds", "scene.stepping.stops")
+STOPS = "scene.stepping.stops"  # a fit that goes on may have other targets
 
 
 def check_own(folder: Path, scene: Scene, to: Collection[str]) -> None:
@@ -36,4 +36,4 @@ def _other(document: Mapping[str, Any], scene: Scene, to: Collection[str]) -> st
         return f"it was fitted by {', '.join(values)}"
     for name, value in values.items():
         scene = changed_in(scene, name, value)
-    return difference(document, stored(scene)[0], ignoring=FREE)
+    return difference(document, stored(scene)[0], ignoring=(*FREE, STOPS))
