@@ -88,8 +88,8 @@ def _curved_crossings(curves: Array) -> int:
 def _overlapping(low: Array, high: Array) -> tuple[Integers, Integers]:
     """Return the pairs of boxes, by their lowest and highest corners (2, m), that overlap.
 
-    Boxes overlap if they do along x and along y. Those of a straight wall all overlap across it, so that pairs
-    are looked for along x, y, or a diagonal: where there are fewest.
+    Boxes overlap if they do along x and along y. Those of a straight wall all overlap across it: pairs are
+    looked for along x, y, or a diagonal, whichever has fewest.
     """
     (x, y), (right, top) = low, high
     ways = ((x, right), (y, top), (x + y, right + top), (x - top, right - y))
@@ -105,7 +105,7 @@ def _overlapping(low: Array, high: Array) -> tuple[Integers, Integers]:
 
 
 def _within_reach(start: Array, end: Array) -> tuple[Integers, Integers]:
-    """Return the order of intervals by their starts, and how many of the later ones start before each ends."""
+    """Return the order of intervals by their starts, and how many of those later start before each ends."""
     order = np.argsort(start, kind="stable")
     return order, np.searchsorted(start[order], end[order], side="right") - np.arange(order.size) - 1
 

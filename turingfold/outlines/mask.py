@@ -33,7 +33,8 @@ def sections(
 
     image: a NIfTI or MGH file, a nibabel image, a pair (array, affine in mm), or a picture (PNG, TIFF) or
     array with two axes, rows from top to bottom; or a mapping of "gray", "white", "hole" to such images, each
-    the probability of that tissue, or its mask by the higher of two values. A NIfTI image that states no unit of length is in mm.
+    the probability of that tissue, or its mask, the higher of two values. A NIfTI image that states no
+    unit of length is in mm.
     at_mm: along right, anterior or superior; the nearest plane of voxels is taken. An oblique image has
     sections as oblique, named by the closest axes.
     index: of the plane of voxels, counted from left, back or bottom; of the picture in a file of several.
