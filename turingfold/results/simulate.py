@@ -153,7 +153,11 @@ class _Run:
     def to_the_end(self) -> Result:
         """March until the scene's end; whatever stops it, what was reached is kept and summed up."""
         self._begin_log()
-        self.position = self._start()
+        try:
+            self.position = self._start()
+        except SolveError as error:
+            self._log(f"stopped before the first state: {error}")
+            raise
         self._log(f"{'goes on' if self.history else 'begins'}: {self._where()}")
         try:
             for step, position in march(self.scene, self.position, self.problem):
