@@ -85,7 +85,7 @@ def test_an_error_that_nobody_expects_is_told(tmp_path):
 
 
 def test_a_run_that_stops_before_its_first_state_is_in_its_log(tmp_path):
-    pattern = tf.Turing(tf.Schnakenberg(), half_waves=6)
+    pattern = tf.Turing(tf.Schnakenberg(), half_waves=4)
     scene = elastic_scene(pattern, stepping=Stepping(first=0.1, largest=0.1, seconds=1e-9))
     with pytest.raises(tf.NotConvergedError, match="the time limit was reached while the pattern was sought"):
         simulate(scene, tmp_path)
