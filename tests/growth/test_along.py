@@ -154,8 +154,15 @@ def test_a_table_of_thickness_puts_the_interface_where_it_says(tmp_path):
         ("_px", 0),
         ("", 1.0),
         (" [1]", 1.0),
+        (" [-]", 1.0),
+        (" (left)", 1.0),
+        ("_in", 1.0),
+        (" in", 1.0),
+        (" / in", 0.0254),
         (" [furlong]", 0),
         (" [kPa]", 0),
+        (" [1/mm]", 0),
+        (" [%]", 0),
     ],
 )
 def test_values_of_a_table_have_the_unit_of_their_column(tmp_path, unit, metres):

@@ -16,11 +16,10 @@ from ..checks import file_path, finite_array, one_of
 from .body import Body
 from .curve import Curve
 from .paths import Curves
-from .units import KNOWN, unit_of, unit_of_name
+from .units import KNOWN, is_unit, unit_of, unit_of_name
 
 Places = tuple[float, ...] | tuple[tuple[float, float], ...]
 BETWEEN = ("linear", "nearest")
-NO_UNIT = (None, "", "1", "-")
 SYMMETRIC = 1e-6  # share of the largest value by which mirror images may differ
 HEADER = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
 
@@ -224,7 +223,7 @@ def _header(name: str, header: Sequence[str]) -> list[tuple[str, str | None]]:
 
 def _scale(column: str, unit: str | None) -> float:
     unit = unit_of_name(column) if unit is None else unit
-    scale = 1.0 if unit in NO_UNIT else unit_of(str(unit))
+    scale = unit_of(unit) if unit and is_unit(unit) else 1.0
     if scale is None:
         raise ValueError(
             f"column={column!r} has the unit {unit!r}; along gives lengths ({KNOWN}) and values without a "

@@ -14,16 +14,25 @@ from ..checks import positive
 METRES = {
     "m": 1.0, "meter": 1.0, "metre": 1.0, "cm": 1e-2, "centimetre": 1e-2, "centimeter": 1e-2,
     "mm": 1e-3, "millimetre": 1e-3, "millimeter": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6,
-    "micrometre": 1e-6, "micrometer": 1e-6, "nm": 1e-9, "in": 0.0254, "inch": 0.0254, "inches": 0.0254,
+    "micrometre": 1e-6, "micrometer": 1e-6, "nm": 1e-9, "nanometre": 1e-9, "nanometer": 1e-9,
+    "in": 0.0254, "inch": 0.0254, "inches": 0.0254,
 }  # fmt: skip
 KNOWN = "m, cm, mm, um, µm, micron, nm, in, inch"
-ALL = sorted((*METRES, "px", "pixel", "voxel"), key=len, reverse=True)  # the last three are no lengths
-UNIT = rf"(?:{'|'.join(ALL)})s?"
-UNMISTAKABLE = rf"(?<![^\W_])((?:{'|'.join(word for word in ALL if word not in ('m', 'in'))})s?)(?![^\W_])"
+NOT_READ = (  # known, too, and refused
+    "px", "pixel", "voxel", "decimetre", "decimeter", "furlong", "angstrom", "percent", "pascal",
+)  # fmt: skip
+WORDS = ("m", "in")  # units that are other words besides
+DIRECTION = re.compile(
+    "[xyzlrapsidvnew]|ap|pa|dv|ml|lr|rl|is|si|ras|lps|las|lpi|up|down|left|right|top|back|in|out|"
+    "east|west|lat|med|ant|post|sup|inf|rows?|cols?"
+)
+SHORT = 4  # letters of an abbreviation
+UNIT = rf"(?:{'|'.join(sorted((*METRES, *NOT_READ), key=len, reverse=True))})s?"
+CLEAR = rf"(?!(?:{'|'.join(WORDS)})s?(?![^\W_])){UNIT}"
+UNMISTAKABLE = rf"(?<![^\W_])({CLEAR})(?![^\W_])"
 BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
 IN_BRACKETS = re.compile(r".*[\[(]\s*([^\])]*?)\s*[\])]")
-AT_THE_END = re.compile(rf"(?:.*[\W_])?({UNIT})", re.IGNORECASE)
-OF_A_NAME = re.compile(rf".*[\W_]({UNIT})", re.IGNORECASE)
+AT_THE_END = re.compile(rf"(?:[xy][\W_]+|.*/\s*)({UNIT})|(?:.*[\W_])?({CLEAR})", re.IGNORECASE)
 AMONG_WORDS = re.compile(UNMISTAKABLE, re.IGNORECASE)
 COLUMNS = re.compile(r"\W*(x\b.*?)[,;\s]\s*(y\b.*)", re.IGNORECASE)
 DECLARED = re.compile(
@@ -57,25 +66,42 @@ def metres(unit: str | float) -> float:
     return found
 
 
+def is_unit(word: str) -> bool:
+    """Return whether what a file has in brackets, or as a whole field, stands for a unit, known or not.
+
+    Numbers, dashes, directions, several words, and words longer than abbreviations do not, unless a unit is
+    among them.
+    """
+    found = word.lower()
+    if found in METRES or AMONG_WORDS.search(found):
+        return True
+    letters = re.findall(r"[^\W\d_]+", found)
+    if not letters:
+        return bool(re.search(r"[^\d\s.,+-]", found))  # as "%"
+    several = sum(part.isalpha() for part in found.split()) > 1
+    short = max(map(len, letters)) <= SHORT
+    return short and not several and not all(map(DIRECTION.fullmatch, letters))
+
+
 def units_of_header(fields: Sequence[str]) -> list[str]:
     """Return the words that stand for units in the fields of a header: "x (mm)", "x_mm", "mm".
 
-    What two columns have in brackets are units, known or not, and so is a word that is both fields. Among the
-    words of other text only those count that mean nothing else, so neither "in" nor "m".
+    What two columns have in brackets may be units, known or not, and so may a word that is both fields. Among
+    the words of other text only those count that mean nothing else, so neither "in" nor "m".
     """
     line = " ".join(fields)
-    brackets = BRACKETS.findall(line)
     if len(fields) != 2:
-        return brackets if len(brackets) == 2 and len(set(brackets)) == 1 else AMONG_WORDS.findall(line)
-    if fields[0] == fields[1]:
-        return [fields[0].strip("[]() ")]
-    both = [IN_BRACKETS.fullmatch(field) for field in fields]
-    words = [
-        match[1]
-        for match in (b or AT_THE_END.fullmatch(f) for b, f in zip(both, fields, strict=True))
-        if match
-    ]
-    return words if all(both) else [word for word in words if AT_THE_END.fullmatch(word)]
+        both = BRACKETS.findall(line)
+        alike = len(both) == 2 and both[0] == both[1]
+        return [word for word in both if is_unit(word)] if alike else AMONG_WORDS.findall(line)
+    matches = [IN_BRACKETS.fullmatch(field) for field in fields]
+    brackets = [match[1] for match in matches if match]
+    whole = fields[0] == fields[1] or all(unit_of(field) for field in fields)
+    if len(brackets) == 2 or whole:
+        words = [word for word in (brackets or fields) if is_unit(word)]
+        return words if len(words) == 2 else [word for word in words if word.lower() not in WORDS]
+    ends = [match[1] if match else unit_of_name(f) for match, f in zip(matches, fields, strict=True)]
+    return [word for word in ends if word and re.fullmatch(UNIT, word, re.IGNORECASE)]
 
 
 def units_of_comment(text: str) -> list[str]:
@@ -87,9 +113,12 @@ def units_of_comment(text: str) -> list[str]:
 
 
 def unit_of_name(column: str) -> str | None:
-    """Return the word at the end of a column's name that stands for a unit, as in "thickness_mm"."""
-    found = OF_A_NAME.fullmatch(column)
-    return found[1] if found else None
+    """Return the word at the end of a column's name that stands for a unit: "thickness_mm", "x in", "t / m".
+
+    "in" and "m" are other words in names such as "growth_in".
+    """
+    found = AT_THE_END.fullmatch(column)
+    return found and (found[1] or found[2])
 
 
 def note_large(source: str, loops: Sequence[Array], remedy: str, unit: float | None = None) -> None:
