@@ -180,3 +180,33 @@ def test_shapes_are_where_one_sees_them(tmp_path, body, box):
 def test_what_cannot_be_placed_is_refused_by_name(tmp_path, body, message):
     with pytest.raises(ValueError, match=message):
         read_outline(drawing(tmp_path, body + SEVEN))
+
+
+@pytest.mark.parametrize(
+    ("transform", "box"),
+    [
+        ("scale(50%)", [5, 10, 15, 15]),
+        ("SCALE(2., 1.e0)", [20, 20, 60, 30]),
+        ("skew(45)", [30, 20, 60, 30]),
+        ("skew(0 45deg)", [10, 30, 30, 60]),
+        ("skewY(0.125turn)", [10, 30, 30, 60]),
+        ("rotate(100grad 10px 20)", [0, 20, 10, 40]),
+        ("translate(10% 1in),rotate(-90)", [40, 66, 50, 86]),
+        ("translate(25.4mm, 0) matrix(1 0 0 -1. 0 0)", [106, -30, 126, -20]),
+        ("translateY(2.54cm)translateX(1pc) scale(2 1)", [36, 116, 76, 126]),
+    ],
+)
+def test_every_function_of_a_transform_is_read(tmp_path, transform, box):
+    """By hand for x from 10 to 30 and y from 20 to 30 in a viewBox of 200 by 100; an inch is 96 units."""
+    body = f'<rect x="10" y="20" width="20" height="10" transform="{transform}"/>'
+    points = read_outline(drawing(tmp_path, body, 'viewBox="0 0 200 100"'), unit=1e-3).single()
+    assert box_of(1e3 * points) == pytest.approx(box, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "transform",
+    ["rotate(50%)", "rotate(9 1)", "scale(2px)", "matrix(1 2 3)", "skew(1 2 3)", "turn(3) scale(2)"],
+)
+def test_a_transform_that_is_none_is_refused(tmp_path, transform):
+    with pytest.raises(ValueError, match=r"rect: the transform .* is not one that SVG knows"):
+        read_outline(drawing(tmp_path, f'<rect width="2" height="1" transform="{transform}"/>'))

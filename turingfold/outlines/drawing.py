@@ -116,10 +116,10 @@ def _parts(shape: Shape) -> Any:
         raise ValueError(f"{shape.where} cannot be read: {error}.") from error
 
 
-def _points(part: Any, matrix: Array, samples: int) -> Array:
+def _points(part: Any, matrix: Any, samples: int) -> Array:
     """Return points of a part of a path, (2, n), without the first again; `samples` on a Bézier curve.
 
-    matrix: (3, 3), to which the y axis turned to point upward is added.
+    matrix: to which the y axis turned to point upward is added.
     """
     import svgelements as svg
 
@@ -138,7 +138,7 @@ def _points(part: Any, matrix: Array, samples: int) -> Array:
     found = np.array(points)
     while len(found) > 1 and abs(found[0] - found[-1]) <= 1e-9 * np.abs(found).max():
         found = found[:-1]
-    x, y, _ = matrix @ np.stack([found.real, found.imag, np.ones(len(found))])
+    x, y = matrix.point_in_matrix_space((found.real, found.imag))
     return np.stack([x, -y])
 
 

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from xml.etree.ElementTree import Element
 
-from ..arrays import Array
+import svgelements as svg
+
 from .drawing_style import Rule, declared, kind_of, rules_of
-from .drawing_view import View, box_of, fitted, moved, outermost, transform_of
+from .drawing_view import View, box_of, fitted, outermost, transform_of
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 LINKS = ("href", "{http://www.w3.org/1999/xlink}href")
@@ -19,9 +20,9 @@ LANGUAGE = "en"  # of which the branch of a switch is shown
 
 @dataclass(frozen=True)
 class Place:
-    """Where an element is: matrix (3, 3), viewport, the names round it, and the `use` elements."""
+    """Where an element is: matrix, viewport, the names round it, and the `use` elements."""
 
-    matrix: Array
+    matrix: svg.Matrix
     view: View
     words: tuple[str, ...] = ()
     visible: bool = True
@@ -109,7 +110,8 @@ class _Tree:
         if element in place.users:
             raise ValueError(f"{where} shows itself; take it out.")
         x, y = (_length(given, name, place.view, where) or 0.0 for name in ("x", "y"))
-        inner = replace(place, matrix=place.matrix @ moved(x, y), users=(*place.users, element))
+        matrix = svg.Matrix.translate(x, y) * place.matrix
+        inner = replace(place, matrix=matrix, users=(*place.users, element))
         size = {name: given[name] for name in ("width", "height") if given.get(name, "auto") != "auto"}
         yield from self.shown(target, inner, size if kind_of(target) in ("svg", "symbol") else None)
 
@@ -120,7 +122,7 @@ def _inside(given: Mapping[str, str], place: Place, where: str) -> Place:
     visibility = given.get("visibility", "inherit").strip().lower()
     return replace(
         place,
-        matrix=place.matrix @ transform_of(given, place.view, where),
+        matrix=transform_of(given, place.view, where) * place.matrix,
         words=place.words + words,
         visible=place.visible if visibility == "inherit" else visibility == "visible",
     )
@@ -136,11 +138,11 @@ def _viewport(given: Mapping[str, str], place: Place, where: str) -> Place:
     )
     box = box_of(given.get("viewBox"), where)
     if box is None:
-        return replace(place, matrix=place.matrix @ moved(x, y), view=View(width, height))
+        return replace(place, matrix=svg.Matrix.translate(x, y) * place.matrix, view=View(width, height))
     if not (width > 0 and height > 0):
         raise ValueError(f"{where}: width and height are {width:g} and {height:g}; give them, in numbers.")
     within = fitted((x, y), View(width, height), box, given.get("preserveAspectRatio", ""), where)
-    return replace(place, matrix=place.matrix @ within, view=View(box[2], box[3]))
+    return replace(place, matrix=within * place.matrix, view=View(box[2], box[3]))
 
 
 def _is_left_out(given: Mapping[str, str]) -> bool:

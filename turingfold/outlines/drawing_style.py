@@ -9,14 +9,7 @@ from xml.etree.ElementTree import Element
 SPACE = "{http://www.w3.org/2000/svg}"
 PLACES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry")
 READ = ("display", "visibility", "transform", "transform-origin", "transform-box", *PLACES)
-NOT_READ = (
-    "d",
-    "rotate",
-    "scale",
-    "translate",
-    "offset-path",
-    "zoom",
-)  # as properties: they move shapes, too
+NOT_READ = ("d", "rotate", "scale", "translate", "offset-path", "zoom")  # properties that move shapes, too
 COMMENT = re.compile(r"/\*.*?\*/|<!--|-->|@(?:import|charset|namespace)[^;]*;", re.DOTALL)
 RULE = re.compile(r"([^{}]*)\{([^{}]*)\}")
 CONDITIONAL = re.compile(r"@(media|supports|layer|container|scope)", re.IGNORECASE)
@@ -76,12 +69,10 @@ def rules_of(root: Element, source: str) -> list[Rule]:
 def declared(element: Element, rules: list[Rule], source: str) -> dict[str, str]:
     """Return the attributes of an element, with the values of rules and of its style in their place."""
     own = _declarations(element.get("style", ""), f"{source}: the style of {kind_of(element)}")
-    all_of_them = [each for rule in rules if rule.holds_for(element) for each in rule.declarations] + list(
-        own
-    )
+    ruled = [each for rule in rules if rule.holds_for(element) for each in rule.declarations]
     found = dict(element.attrib)
     for pressing in (False, True):
-        found |= {name: value for name, value, important in all_of_them if important == pressing}
+        found |= {name: value for name, value, important in (*ruled, *own) if important == pressing}
     return found
 
 

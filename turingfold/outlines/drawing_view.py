@@ -1,4 +1,8 @@
-"""Lengths, transforms and viewports of drawings in the SVG format, as matrices (3, 3)."""
+"""Lengths, transforms and viewports of drawings in the SVG format.
+
+Matrices are those of svgelements, which apply one after the other: `first * second`. Its lengths and its
+viewports are not taken: an inch is 25.39999 mm there, what is no length is 0, numbers have twelve decimals.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +11,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-
-from ..arrays import Array
+import svgelements as svg
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 INCH = 0.0254
 PIXEL = INCH / 96  # of CSS, m
 METRES = {"mm": 1e-3, "cm": 1e-2, "q": 0.25e-3, "in": INCH, "pt": INCH / 72, "pc": INCH / 6}
 UNITS = {"": 1.0, "px": 1.0, **{unit: metres / PIXEL for unit, metres in METRES.items()}}
-ANGLES = {"": np.pi / 180, "deg": np.pi / 180, "rad": 1.0, "grad": np.pi / 200, "turn": 2 * np.pi}
 LENGTH = re.compile(rf"({NUMBER})(%|[a-z]*)", re.IGNORECASE)
-FUNCTION = re.compile(r"([a-zA-Z]+)\s*\(([^()]*)\)[\s,]*")
-ARGUMENT = rf"{NUMBER}(?:%|[a-zA-Z]*)"
-COUNTS = {
-    "matrix": (6,), "translate": (1, 2), "translatex": (1,), "translatey": (1,),
-    "scale": (1, 2), "scalex": (1,), "scaley": (1,), "rotate": (1, 3),
-    "skew": (1, 2), "skewx": (1,), "skewy": (1,),
+FUNCTION = re.compile(r"([a-z]+)\s*\(([^()]*)\)[\s,]*")
+ARGUMENT = rf"{NUMBER}(?:%|[a-z]*)"
+ANGLE, FACTOR = rf"{NUMBER}(?:deg|grad|rad|turn)?", rf"{NUMBER}%?"
+FORMS = {
+    "matrix": rf"{NUMBER}(?: {NUMBER}){{5}}", "rotate": rf"{ANGLE}(?:(?: {NUMBER}(?:px)?){{2}})?",
+    "translate": rf"{ARGUMENT}(?: {ARGUMENT})?", "translatex": ARGUMENT, "translatey": ARGUMENT,
+    "scale": rf"{FACTOR}(?: {FACTOR})?", "scalex": FACTOR, "scaley": FACTOR,
+    "skew": rf"{ANGLE}(?: {ANGLE})?", "skewx": ANGLE, "skewy": ANGLE,
 }  # fmt: skip
 ASPECT = re.compile(r"(?:defer\s+)?(?:(none)|x(Min|Mid|Max)Y(Min|Mid|Max))(?:\s+(meet|slice))?")
 SHARE = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
@@ -60,11 +64,6 @@ class View:
         return self.width if name in ("x", "cx", "width", "rx") else self.height
 
 
-def moved(x: float, y: float) -> Array:
-    """Return the matrix of a translation."""
-    return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
-
-
 def box_of(text: str | None, where: str) -> tuple[float, float, float, float] | None:
     """Return the numbers of a viewBox, or None without one; ValueError unless they are four with a size."""
     if text is None or text.strip() == "none":
@@ -80,7 +79,7 @@ def box_of(text: str | None, where: str) -> tuple[float, float, float, float] | 
 
 def fitted(
     place: tuple[float, float], size: View, box: tuple[float, float, float, float], aspect: str, where: str
-) -> Array:
+) -> svg.Matrix:
     """Return the matrix that lays a viewBox into a viewport, as preserveAspectRatio says; "": xMidYMid."""
     match = ASPECT.fullmatch(aspect.strip() or "xMidYMid")
     if not match:
@@ -93,10 +92,10 @@ def fitted(
         shares[:] = SHARE[match[2]], SHARE[match[3]]
     free = np.array([size.width, size.height]) - scale * (width, height)
     shift = np.array(place) - scale * (x, y) + shares * free
-    return moved(*shift) @ np.diag([*scale, 1.0])
+    return svg.Matrix(scale[0], 0.0, 0.0, scale[1], *shift)
 
 
-def outermost(given: Mapping[str, str], where: str, *, in_user_units: bool) -> tuple[Array, View, bool]:
+def outermost(given: Mapping[str, str], where: str, *, in_user_units: bool) -> tuple[svg.Matrix, View, bool]:
     """Return the matrix of a drawing, its viewport, and whether it says how large it is, in m.
 
     A width without a height, or the other way round, follows the shape of the viewBox. A drawing that states
@@ -105,78 +104,57 @@ def outermost(given: Mapping[str, str], where: str, *, in_user_units: bool) -> t
     box = box_of(given.get("viewBox"), where)
     texts = [given.get(name, "auto").strip().lower() for name in ("width", "height")]
     matches = [LENGTH.fullmatch(text) for text in texts]
-    known = [match[2] if match else "" for match in matches]
-    pixels = [float(m[1]) * UNITS[m[2]] if m and m[2] in UNITS else np.nan for m in matches]
-    if in_user_units or not set(known) & set(METRES):
-        return np.eye(3), View(*(box[2:] if box else pixels)), False
-    for name, text, size in zip(("width", "height"), texts, pixels, strict=True):
+    width, height = (float(m[1]) * UNITS[m[2]] if m and m[2] in UNITS else np.nan for m in matches)
+    if in_user_units or not any(m and m[2] in METRES for m in matches):
+        return svg.Matrix(), View(*(box[2:] if box else (width, height))), False
+    for name, text, size in zip(("width", "height"), texts, (width, height), strict=True):
         if text != "auto" and not size > 0:
             raise ValueError(
                 f"{where}: {name}={text!r} gives the drawing no size; leave it out, or write it in mm, "
                 "or give the length of the viewBox's unit as unit."
             )
-    scale = np.diag([PIXEL, PIXEL, 1.0])
     if box is None:
-        return scale, View(*pixels), True
-    width, height = pixels
+        return svg.Matrix.scale(PIXEL), View(width, height), True
     width = height * box[2] / box[3] if np.isnan(width) else width
     height = width * box[3] / box[2] if np.isnan(height) else height
     within = fitted((0.0, 0.0), View(width, height), box, given.get("preserveAspectRatio", ""), where)
-    return scale @ within, View(*box[2:]), True
+    return within * svg.Matrix.scale(PIXEL), View(*box[2:]), True
 
 
-def transform_of(given: Mapping[str, str], view: View, where: str) -> Array:
+def transform_of(given: Mapping[str, str], view: View, where: str) -> svg.Matrix:
     """Return the matrix of an element's transform, about its transform-origin.
 
     Raises ValueError for transforms that SVG does not know, and about boxes of the shapes themselves.
     """
-    text = given.get("transform", "none").strip()
-    if text.lower() in ("none", ""):
-        return np.eye(3)
-    wrong = ValueError(f"{where}: the transform {text!r} is not one that SVG knows.")
-    if FUNCTION.sub("", text).strip():
-        raise wrong
-    found = np.eye(3)
-    for name, inner in FUNCTION.findall(text):
-        words = re.findall(ARGUMENT, inner)
-        kind = name.lower()
-        if re.sub(ARGUMENT, "", inner).strip(" ,\t\r\n") or len(words) not in COUNTS.get(kind, ()):
-            raise wrong
-        try:
-            found = found @ _function(kind, words, view, where)
-        except KeyError as error:
-            raise wrong from error
+    text = given.get("transform", "none").strip().lower()
+    if text in ("none", ""):
+        return svg.Matrix()
+    functions = [_function(name, inner, view, where) for name, inner in FUNCTION.findall(text)]
+    if FUNCTION.sub("", text).strip() or None in functions:
+        raise ValueError(f"{where}: the transform {given['transform']!r} is not one that SVG knows.")
     if given.get("transform-box", "view-box") != "view-box":
         raise ValueError(
             f"{where}: transform-box={given['transform-box']!r} is not read; write the transform as a matrix."
         )
     x, y = _origin(given.get("transform-origin", "0 0"), view, where)
-    return moved(x, y) @ found @ moved(-x, -y)
+    return svg.Matrix(f"translate({x!r} {y!r}) {' '.join(map(str, functions))} translate({-x!r} {-y!r})")
 
 
-def _function(kind: str, words: list[str], view: View, where: str) -> Array:
-    """Return the matrix of one function of a transform; KeyError for unknown units."""
-    if kind.startswith("translate"):
-        axes = "y" if kind.endswith("y") else "xy"
-        shift = {axis: view.length(axis, word, where) for axis, word in zip(axes, words, strict=False)}
-        return moved(shift.get("x", 0.0), shift.get("y", 0.0))
-    parts = [(float(m[1]), m[2].lower()) for m in map(LENGTH.fullmatch, words) if m]
-    if kind.startswith("s") and "k" not in kind:
-        factors = [value * {"": 1.0, "%": 0.01}[unit] for value, unit in parts]
-        x, y = {"x": (factors[0], 1.0), "y": (1.0, factors[0])}.get(kind[5:], (factors[0], factors[-1]))
-        return np.asarray(np.diag([x, y, 1.0]))
-    if kind == "matrix":
-        a, b, c, d, e, f = (value * {"": 1.0}[unit] for value, unit in parts)
-        return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
-    angles = [value * ANGLES[unit] for value, unit in parts]
-    if kind == "rotate":
-        cos, sin = np.cos(angles[0]), np.sin(angles[0])
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        x, y = (value * {"": 1.0, "px": 1.0}[unit] for value, unit in parts[1:] or [(0.0, "")] * 2)
-        return np.asarray(moved(x, y) @ turn @ moved(-x, -y))
-    along = np.tan(angles[0]) if kind != "skewy" else 0.0
-    down = np.tan(angles[-1]) if kind == "skewy" or len(angles) == 2 else 0.0
-    return np.array([[1.0, along, 0.0], [down, 1.0, 0.0], [0.0, 0.0, 1.0]])
+def _function(name: str, inner: str, view: View, where: str) -> str | None:
+    """Return a function of a transform as the library reads it, lengths in user units; None of others."""
+    words = re.findall(ARGUMENT, inner)
+    left = re.sub(ARGUMENT, "", inner).strip(" ,\t\r\n")
+    if left or not re.fullmatch(FORMS.get(name, "(?!)"), " ".join(words)):
+        return None
+    words = [re.sub(r"\.(?!\d)", "", word) for word in words]  # it takes "1.e3" for two numbers
+    if name.startswith("translate"):
+        axes = "y" if name == "translatey" else "xy"
+        words = [repr(view.length(axis, word, where)) for axis, word in zip(axes, words, strict=False)]
+    elif name.startswith("scale"):
+        words = [repr(float(word.rstrip("%")) * (0.01 if "%" in word else 1.0)) for word in words]
+    elif name == "skew":
+        words = [*words, "0"][:2]
+    return f"{name}({' '.join(words)})"
 
 
 def _origin(text: str, view: View, where: str) -> tuple[float, float]:
