@@ -186,6 +186,35 @@ def test_a_step_after_which_curves_cross_is_taken_again_with_more_chords():
     assert finer.evaluate(np.zeros(body.nodes.size)).largest_step(by_node(shift)) < 1.0
 
 
+def bowed_towards_each_other(overlap):
+    """Return the slotted body with two walls that bow most between vertices of their chords, and where.
+
+    x = 1 + 4 h ξ (1 - ξ) - h ξ/2 and its mirror image are nearest at ξ = 7/16, the middle of a chord of 1/8.
+    """
+    body, h = slotted(), 0.158  # whose eight chords miss 0.98 of what they keep apart
+    middle = 1 + h * (63 / 64 - 7 / 32) - 0.5 * overlap
+    moved = body.nodes.copy()
+    for y, wall in ((1.0, 1.0), (1.125, 1 + 0.75 * h), (1.25, 1 - 0.5 * h)):
+        for x, to in ((1.0, wall), (1 + SLOT, 2 * middle - wall)):
+            moved[:, np.flatnonzero(np.hypot(*(body.nodes - [[x], [y]])) < 1e-9)[0]] = to, y
+    return body, moved - body.nodes
+
+
+def test_chords_of_walls_that_bow_towards_each_other_are_made_finer_too():
+    body, shift = bowed_towards_each_other(overlap=0.001)
+    potential = SelfContact().on(body).during(state_of(body), STEP)
+    pial = (body.nodes + shift)[:, body.pial]
+    assert self_intersections(pial, closed=False, quadratic=True) == 2
+    seen = potential.evaluate(by_node(shift))
+    needed = seen.operator.made_of(np.maximum(seen.walls.counts, seen.operator.needed(seen.points)))
+    assert not needed.cross(needed.positions(seen.points))  # twice of what one edge's chords miss is between
+    finer = seen.finer()
+    assert finer.walls.counts.max() > needed.counts.max()
+    assert finer.evaluate(np.zeros(body.nodes.size)).largest_step(by_node(shift)) < 1.0
+    body, shift = bowed_towards_each_other(overlap=-0.001)
+    assert SelfContact().on(body).during(state_of(body), STEP).evaluate(by_node(shift)).finer() is None
+
+
 def test_only_edges_without_room_keep_their_chords():
     body, shift = bowed(at=1.2725)  # nearer than chords keep apart
     state = state_of(body).updated(displacement=shift)

@@ -35,17 +35,18 @@ def self_intersections(points: Any, *, closed: bool | None = None, quadratic: bo
             )
         size = curve.size
         first = np.arange(0, size - (not curve.closed), 2)
-        return _curved_crossings(start[:, [first, first + 1, (first + 2) % size]].swapaxes(0, 1))
+        return len(_curved_crossings(start[:, [first, first + 1, (first + 2) % size]].swapaxes(0, 1)))
     pairs = _near_pairs(curve)
     end = np.roll(start, -1, axis=1)[:, : curve.lengths.size]
     i, j = pairs.T
     return int(_cross(start[:, i], end[:, i], start[:, j], end[:, j]).sum())
 
 
-def edge_crossings(points: Array, edges: Integers) -> int:
-    """Return how often quadratic edges through nodes at `points` (2, n) cross each other.
+def edge_crossings(points: Array, edges: Integers) -> Integers:
+    """Return the two edges of each place, (k, 2), where quadratic edges cross each other.
 
-    edges: start, middle and end node of each, (3, m); as `self_intersections` counts.
+    points: of the nodes, (2, n).  edges: start, middle and end node of each, (3, m).  They are as many as
+    `self_intersections` counts.
     """
     used, local = np.unique(edges, return_inverse=True)
     return _curved_crossings(_unsettled(points[:, used])[:, local.reshape(edges.shape)].swapaxes(0, 1))
@@ -58,8 +59,8 @@ def _unsettled(points: Array) -> Array:
     return np.asarray(start / np.abs(start).max() + shift)
 
 
-def _curved_crossings(curves: Array) -> int:
-    """Return the number of crossings of quadratic segments, (3, 2, m).
+def _curved_crossings(curves: Array) -> Integers:
+    """Return the two segments of each crossing, (k, 2), of quadratic segments, (3, 2, m).
 
     Pairs are halved as long as they may meet: a part of length h in ξ leaves its chord by |b| h²/2 at most,
     with b = x₀ - 2 x_m + x₁.
@@ -69,20 +70,22 @@ def _curved_crossings(curves: Array) -> int:
     i, j = _overlapping(hull.min(axis=0), hull.max(axis=0))
     meet = ~_parted(hull[..., i], hull[..., j])
     i, j = i[meet], j[meet]
-    s, t, h, found = np.zeros(i.size), np.zeros(i.size), 1.0, 0
+    s, t, h = np.zeros(i.size), np.zeros(i.size), 1.0
+    found = [np.zeros((0, 2), dtype=np.int64)]
     while i.size:
         a, b, c, d = (point(curves[..., k], x) for k, x in ((i, s), (i, s + h), (j, t), (j, t + h)))
         missed = 0.5 * h * h * (bent[i] + bent[j])
         near = _cross(a, b, c, d) | (_gap(a, b, c, d) <= missed)
         done = missed <= FLAT
         joined = np.any([(p == q).all(axis=0) for p in (a, b) for q in (c, d)], axis=0)
-        found += int(np.sum(_cross(a, b, c, d) & done & ~joined))
+        met = _cross(a, b, c, d) & done & ~joined
+        found.append(np.stack([i[met], j[met]], axis=1))
         halve = near & ~done
         h = 0.5 * h
         i, j = np.tile(i[halve], 4), np.tile(j[halve], 4)
         s = (s[halve] + h * np.array([[0], [1], [0], [1]])).ravel()
         t = (t[halve] + h * np.array([[0], [0], [1], [1]])).ravel()
-    return found
+    return np.concatenate(found)
 
 
 def _overlapping(low: Array, high: Array) -> tuple[Integers, Integers]:

@@ -45,14 +45,20 @@ def boundary_edges(body: Body) -> Integers:
 
 def crossings(body: Body, displacement: Array) -> int:
     """Return how often the deformed boundary, whose edges are curved, crosses itself, or its mirror image."""
+    return len(crossed_edges(body, displacement))
+
+
+def crossed_edges(body: Body, displacement: Array) -> Integers:
+    """Return the two boundary edges of each place, (k, 2), where the boundary crosses itself or its image."""
     moved, edges = body.nodes + displacement, boundary_edges(body)
+    count = edges.shape[1]
     if body.mirror:
         line, n = body.nodes[0, body.boundary_path("mirror")[0][0]], body.nodes.shape[1]
         own = np.abs(body.nodes[0] - line) <= 1e-9 * body.length  # nodes on the mirror are their own image
         image = np.where(own, np.arange(n), n + np.arange(n))
         edges = np.hstack([edges, image[edges[::-1]]])
         moved = np.hstack([moved, np.stack([2 * line - moved[0], moved[1]])])
-    return edge_crossings(moved, edges)
+    return np.asarray(edge_crossings(moved, edges) % count)
 
 
 def tissue_left(body: Body, edges: Integers) -> Booleans:

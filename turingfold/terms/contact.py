@@ -22,7 +22,7 @@ from ..geometry.body import Body, by_node
 from ..geometry.quadratic import bend
 from ..parts import Abrupt, Entries, Fields, Hessian, Operator, Potential, Term, TimeStep
 from ..state import State
-from .boundary import boundary_edges, counts, crossings, stays_straight, tissue_left
+from .boundary import boundary_edges, counts, crossed_edges, stays_straight, tissue_left
 from .creases import creases
 from .inversion import bounding, inversion
 from .obstacles import joined, obstacles
@@ -284,20 +284,34 @@ class ContactEvaluation(Abrupt):
         return min(self.walls.largest_step(self.positions, self.walls.positions(end)), *bounds)
 
     def finer(self) -> ContactPotential | None:
-        """Return the barrier of more chords, if edges bent so far in this step that curved walls cross."""
+        """Return the barrier of more chords, if edges bent so far in this step that curved walls cross.
+
+        The chords of two edges that bow towards each other may miss twice of what they keep apart.
+        """
         operator, potential = self.operator, self.potential
         wanted = np.maximum(self.walls.counts, operator.needed(self.points))
-        if (wanted == self.walls.counts).all():
-            return None
-        seen = operator.made_of(wanted)
-        if not seen.cross(seen.positions(self.points)):
+        crossed = np.unique(self._crossed)
+        while not self._crosses(wanted) and (wanted[crossed] < MOST).any():
+            wanted[crossed] = np.minimum(2 * wanted[crossed], MOST)
+        if not self._crosses(wanted):
             return None
         walls = operator.following(wanted, potential.start, potential.used)
         return None if (walls.counts == self.walls.counts).all() else replace(potential, walls=walls)
 
+    def _crosses(self, counts: Integers) -> bool:
+        """Return whether walls cross that are made of more chords than these, so many of each edge, (m,)."""
+        if (counts == self.walls.counts).all():
+            return False
+        seen = self.operator.made_of(counts)
+        return seen.cross(seen.positions(self.points))
+
     def is_valid(self) -> bool:
         """Return whether the body's curved boundary does not cross itself, or its mirror image."""
-        return crossings(self.operator.body, self.x.reshape(-1, 2).T) == 0
+        return self._crossed.size == 0
+
+    @cached_property
+    def _crossed(self) -> Integers:
+        return crossed_edges(self.operator.body, self.x.reshape(-1, 2).T)
 
     def finish(self, wanted: frozenset[str]) -> Fields:
         """Return of how many chords each edge is made, (1, m)."""
