@@ -19,8 +19,9 @@ from ..geometry.shapes import element_size
 from ..geometry.units import note_large
 from .domain import Given, Thickness, domain
 from .frame import RESOLUTION, Size
-from .loops import closed_loops, crossing, inside, large_enough, placed_bases
+from .loops import closed_loops, large_enough, placed_bases
 from .mesh import meshed
+from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface
 from .section import Section
 
 HOLES = ("free", "clamped")
@@ -28,6 +29,7 @@ MOST = 2e6  # triangles in the cortex
 VOXELS = 1.5  # over which their steps are smoothed: so rasterised discs and ellipses have no fold left
 STEPS = "steps of voxels smoothed away over {:.3g} m, 1.5 voxels (smooth=0 keeps them)"
 MOVED = 0.5  # of the size: so far rounding moves the pial surface of a smooth outline at most
+UNLIKE = 0.1  # difference of thickness from the depth of the interface, a share of it, that is told
 TOLD = 0.05  # share of the area, or of the cortex, from which on a change is a warning
 
 
@@ -67,9 +69,11 @@ def outline(
     that are closed off. Or a `Section`, whose white surface and holes are taken, too.
     thickness: of the cortex in m; a number, values at the points ((n,), or a list of these), or a function of
     points (2, n) → (n,).  interface: the white surface, curves like `points`; thickness is then not needed.
+    It lies inside the pial surface.
     size: element edge in the cortex, m; or elements: so many through the thinnest cortex. Below the cortex
     elements grow by `grading` m per m of depth.
-    holes: curves of ventricles; their walls are no pial surface. hole: "free" or "clamped".
+    holes: curves of ventricles, mostly inside the pial surface; united where they overlap, one well inside
+    another is an island. Their walls are no pial surface. hole: "free" or "clamped".
     base: "free", "clamped" or "roller"; the last two need base_ends: two points ((x, y), (x, y)) in m, or
     several such pairs; a base runs counter-clockwise along the outline from the point of `points` nearest the
     first to the one nearest the second, each within `size` of the outline. The rest is pial.
@@ -103,19 +107,23 @@ def outline(
     if not told:
         note_large("points", loops, "multiply them by 1e-3")
     white = None if interface is None else closed_loops("interface", interface)
+    if white is not None:
+        refuse_interface(loops, white)
     ventricles = closed_loops("holes", holes) if len(holes) else []
+    refuse_holes(loops, ventricles)
     depth = _thickness(points, loops, thickness, white)
     step = _size(size, elements, depth, loops)
     walls = step / 4 if inset is None else positive("inset", inset)
     finest = _finest(fine, step, grading)
-    given = _given(loops, base_ends, white, ventricles, (step, voxel), notes)
+    doubts = [] if white is None or thickness is None else _disagreement(loops, white, depth.typical)
+    given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
     mean, mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     changes = replace(changes, expected=max(MOVED * step, shortest, walls))
     if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
         large = f"outline: {changes}; smaller elements follow it more closely."
         warnings.warn(large, OutlineWarning, stacklevel=2)
-    elif given.doubts:
-        warnings.warn(f"outline: {'; '.join(given.doubts)}.", OutlineWarning, stacklevel=2)
+    elif loud := [note for note in changes.notes if note not in given.notes]:
+        warnings.warn(f"outline: {'; '.join(loud)}.", OutlineWarning, stacklevel=2)
     even = interface is None and depth.at is None
     typical = depth.typical if depth.typical > 0 else mean
     return Body(
@@ -125,7 +133,7 @@ def outline(
 
 def _given(
     loops: list[Array], base_ends: Any, white: list[Array] | None, holes: list[Array],
-    least: tuple[float, float], notes: list[str],
+    least: tuple[float, float], notes: list[str], doubts: list[str],
 ) -> Given:  # fmt: skip
     """Return those of the curves that elements of a size can follow, with bases, and notes on the others."""
 
@@ -134,11 +142,13 @@ def _given(
         notes.extend(more)
         return kept
 
+    notes.extend(overlapping(holes))
     loops = followed("points", loops)
     white = None if white is None else followed("interface", white)
     holes = followed("holes", holes) if holes else []
-    doubts = (*crossing(loops), *inside(loops))
-    return Given(loops, placed_bases(loops, base_ends, least[0]), white, holes, tuple(notes), doubts)
+    doubts = [*doubts, *crossing(loops), *inside(loops)]
+    bases = placed_bases(loops, base_ends, least[0])
+    return Given(loops, bases, white, holes, tuple(notes), tuple(doubts))
 
 
 def _finest(fine: Any, step: float, grading: float) -> Size:
@@ -183,10 +193,7 @@ def _filled(
 def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] | None) -> Thickness:
     """Return the thickness of the cortex: a number, and where it varies a function of place, too."""
     if white is not None:
-        edge = shapely.union_all([shapely.linearrings(loop.T) for loop in loops])
-        shapely.prepare(edge)
-        between_them = shapely.distance(shapely.points(np.concatenate(white, axis=1).T), edge)
-        typical = float(np.median(between_them)) if given is None else positive("thickness", given)
+        typical = _median_depth(loops, white) if given is None else positive("thickness", given)
         return Thickness(typical, None)
     if given is None:
         raise ValueError("thickness is missing: give it in m, or the white surface as interface=....")
@@ -208,6 +215,30 @@ def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] |
         thick.append(np.interp(s, np.arange(ring.shape[1]), np.append(value, value[0])))
     tree, along = cKDTree(np.concatenate(where, axis=1).T), np.concatenate(thick)
     return Thickness(float(along.mean()), lambda x: along[tree.query(x.T)[1]])
+
+
+def _median_depth(loops: list[Array], white: list[Array]) -> float:
+    """Return the median distance of points of the white surface from the pial one; m."""
+    edge = shapely.union_all([shapely.linearrings(loop.T) for loop in loops])
+    shapely.prepare(edge)
+    found = float(np.median(shapely.distance(shapely.points(np.concatenate(white, axis=1).T), edge)))
+    if found <= 0:
+        raise ValueError(
+            "interface: half of its points or more lie on the pial surface, so that it does not tell how "
+            "thick the cortex is; give the gray-white surface, and a typical thickness=..., too."
+        )
+    return found
+
+
+def _disagreement(loops: list[Array], white: list[Array], thickness: float) -> list[str]:
+    """Return a note if a thickness is not that between the surfaces that are given with it."""
+    depth = _median_depth(loops, white)
+    if abs(depth - thickness) <= UNLIKE * depth:
+        return []
+    return [
+        f"thickness={thickness:g} m does not move the interface, which is as given, {depth:.3g} m below the "
+        "pial surface in the median; leave out one of both"
+    ]
 
 
 def _positive(values: Any, count: int) -> Array:

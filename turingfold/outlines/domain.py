@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -27,6 +27,7 @@ from .region import (
     touching,
     unchanged_near,
 )
+from .relations import of_holes, united
 
 ROUND_OFF = 1e-6  # share of the size below which lengths are no lengths
 FINE = 8  # samples of a curve per element
@@ -142,10 +143,13 @@ def domain(
     white = smoothed(raw, size, 0.25 * size).intersection(allowed)
     white = unchanged_near(bases, white, raw, size)
     white, walls, holes = large(white, size**2), None, MultiPolygon()
+    told: list[str] = []
     if given.holes:
         walls = traced(given.holes, step, smooth)
         deep = below(area, pial, 2 * size).difference(bases.buffer(size))
-        holes = large(opened(even_odd(walls.polygons).intersection(deep), 0.25 * size), size**2)
+        asked = united(walls.polygons)
+        holes = large(opened(asked.intersection(deep), 0.25 * size), size**2)
+        told = of_holes(united(given.holes), measured, holes, unit)
         white = large(white.union(holes.buffer(size)).intersection(below(area, pial, least)), size**2)
     if white.is_empty:
         raise ValueError(
@@ -156,7 +160,8 @@ def domain(
         area, white, holes, surface.bases, surface, within, walls, size, thickness.typical,
         thickness.typical if even else 0.0,
     )  # fmt: skip
-    return made, _changes(given, measured, made, inset, None if within is None else own, allowed)
+    changes = _changes(given, measured, made, inset, None if within is None else own, allowed)
+    return made, replace(changes, notes=(*changes.notes, *told))
 
 
 def _white(area: MultiPolygon, pial: BaseGeometry, thickness: Thickness, size: float) -> BaseGeometry:

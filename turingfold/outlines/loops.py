@@ -14,11 +14,13 @@ from shapely import Polygon
 from ..arrays import Array, Integers
 from ..checks import finite_array, real_array
 from .line import Line, line
+from .relations import crossings
 
 FEWEST = 8  # different points that make an outline
 RING = 3  # different points that enclose something: so many do for one of several curves
 MERGE = 1e-9  # points closer than this share of the extent are one point
 UNEVEN = 2.0  # times as long as a segment beside it, a segment gets points
+TANGLED = 20, 0.1  # times, and times per point, that a curve crosses itself if its points are in order
 GAP = 5.0  # a curve is open if its ends are farther apart than this many times its longest other segment
 
 
@@ -27,7 +29,8 @@ def closed_loops(name: str, given: Any) -> list[Array]:
 
     given: one curve, (2, n) or (n, 2), or several in a list.
     Raises ValueError for other shapes, values that are not finite, open curves (ends farther apart than 5
-    times the longest other segment), and fewer than 8 different points, or 3 of one of several curves.
+    times the longest other segment), points that are not in order, and fewer than 8 different points, or 3 of
+    one of several curves.
     """
     several = isinstance(given, (list, tuple)) and len(given) > 0 and all(np.ndim(one) == 2 for one in given)
     curves = given if several else [given]
@@ -54,8 +57,18 @@ def _closed(name: str, points: Any, fewest: int) -> Array:
             f"{name} is an open curve: its ends {shown(ends[:, 0])} and {shown(ends[:, 1])} are {gap:.3g} "
             f"apart, its longest segment is {length.max():.3g}. Add the missing part, e.g. along the base."
         )
+    _refuse_tangled(name, curve)
     x, y = curve
     return np.array(curve if x @ np.roll(y, -1) > y @ np.roll(x, -1) else curve[:, ::-1])
+
+
+def _refuse_tangled(name: str, curve: Array) -> None:
+    most = max(TANGLED[0], int(TANGLED[1] * curve.shape[1]))
+    if not Polygon(curve.T).is_valid and (count := crossings(curve, most)) > most:
+        raise ValueError(
+            f"{name} crosses itself {count} times or more: the points are not in order. Give them as they "
+            f"follow each other along the outline; up to {most} crossings are taken apart."
+        )
 
 
 def large_enough(
@@ -106,28 +119,6 @@ def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[
             )
         bases.append((k, first, last))
     return bases
-
-
-def crossing(loops: list[Array]) -> list[str]:
-    """Return a note on each curve that crosses itself."""
-    return [
-        f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
-        for k, loop in enumerate(loops)
-        if not Polygon(loop.T).is_valid
-    ]
-
-
-def inside(loops: list[Array]) -> list[str]:
-    """Return a note on curves that lie inside others, and so enclose a sulcus or an island in one."""
-    tree = shapely.STRtree(areas := [shapely.make_valid(Polygon(loop.T)) for loop in loops])
-    found = {k for k, other in tree.query(areas, predicate="within").T.tolist() if k != other}
-    if not found:
-        return []
-    where, what = ("lies inside another", "it is") if len(found) == 1 else ("lie inside others", "they are")
-    return [
-        f"{len(found)} of {len(loops)} closed curves {where}; {what} taken as pial surface, of closed-off "
-        "sulci, which counts in the gyrification index; ventricles are given as holes="
-    ]
 
 
 @dataclass(frozen=True, eq=False)

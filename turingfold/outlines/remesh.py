@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..arrays import Array
@@ -38,16 +40,18 @@ def remeshed(body: Body, state: State, *, size: float, inset: float) -> Body:
     traced = [ring[:, :-1] for ring in rings(even_odd(sampled(body.pial_paths)).buffer(-inset))]
     if not traced:
         raise ValueError(f"inset={inset:g} m leaves nothing of the body; use a smaller one.")
-    return outline(
+    even = body.depth_by == "thickness"
+    made = outline(
         traced,
-        thickness=body.thickness,
+        thickness=body.thickness if even else None,
         size=size,
         layers=body.layers,
         smooth=inset,
-        interface=None if body.depth_by == "thickness" else sampled(body.interface_paths),
+        interface=None if even else sampled(body.interface_paths),
         holes=sampled(body.boundary_paths("hole")),
         hole=body.hole,
     )
+    return replace(made, thickness=body.thickness)
 
 
 def _sampled(curve: Curve, step: float) -> Array:

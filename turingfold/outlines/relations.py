@@ -1,0 +1,163 @@
+"""How curves lie to each other: what is told, and what cannot be meant and is refused."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ..arrays import Array
+from .region import even_odd, pieces
+
+INSIDE = 0.9  # share of the interface's area that lies inside the pial surface
+FILLED = 0.99  # share of the tissue that the interface encloses at most
+MOSTLY = 0.5  # share of a hole's area that lies inside the pial surface
+SAME = 0.9  # of two holes: common area over that of both, from which on they are one
+SLIGHT = 1e-3  # share of the smaller of two curves' areas below which a common part is round-off
+CHANGED = 0.01  # share of a hole's area from which on a change is told
+
+
+def crossing(loops: list[Array]) -> list[str]:
+    """Return a note on each curve that crosses itself, and on each two that cross each other.
+
+    Raises ValueError for a curve that is given twice.
+    """
+    areas = [_filled(loop) for loop in loops]
+    notes = [
+        f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
+        for k, loop in enumerate(loops)
+        if not Polygon(loop.T).is_valid
+    ]
+    for first, second in _pairs(areas):
+        a, b = areas[first], areas[second]
+        common, smaller = a.intersection(b).area, min(a.area, b.area)
+        if a.symmetric_difference(b).area <= SLIGHT * smaller:
+            raise ValueError(f"points[{first}] and points[{second}] are the same curve; give it once.")
+        if SLIGHT * smaller < common < (1 - SLIGHT) * smaller:
+            notes.append(
+                f"curves {first} and {second} of the pial surface cross each other; what both enclose, "
+                f"{common:.3g} m², counts as outside"
+            )
+    return notes
+
+
+def inside(loops: list[Array]) -> list[str]:
+    """Return a note on curves that lie inside others, and so enclose a sulcus or an island in one."""
+    tree = shapely.STRtree(areas := [shapely.make_valid(Polygon(loop.T)) for loop in loops])
+    found = {k for k, other in tree.query(areas, predicate="within").T.tolist() if k != other}
+    if not found:
+        return []
+    where, what = ("lies inside another", "it is") if len(found) == 1 else ("lie inside others", "they are")
+    return [
+        f"{len(found)} of {len(loops)} closed curves {where}; {what} taken as pial surface, of closed-off "
+        "sulci, which counts in the gyrification index; ventricles are given as holes="
+    ]
+
+
+def refuse_interface(pial: list[Array], white: list[Array]) -> None:
+    """Raise ValueError for a white surface that is not inside the pial one, or leaves no cortex."""
+    tissue, inner = even_odd(pial), even_odd(white)
+    common = inner.intersection(tissue).area
+    share = common / inner.area if inner.area else 1.0
+    if share < INSIDE:
+        raise ValueError(
+            f"interface: {share:.2g} of the area that it encloses, {inner.area:.3g} m², lies inside the pial "
+            f"surface, {tissue.area:.3g} m²; it must be at least {INSIDE:g}. Are interface and points in the "
+            "same unit, and of the same section?"
+        )
+    if common > FILLED * tissue.area:
+        raise ValueError(
+            f"interface encloses {common / tissue.area:.4g} of the area inside the pial surface and leaves "
+            f"no cortex; it must be at most {FILLED:g}. Give the gray-white surface, not the pial one."
+        )
+
+
+def refuse_holes(pial: list[Array], holes: list[Array]) -> None:
+    """Raise ValueError for a hole that is not mostly inside the pial surface."""
+    tissue = even_odd(pial)
+    for k, hole in enumerate(holes):
+        area = _filled(hole)
+        share = area.intersection(tissue).area / area.area if area.area else 1.0
+        if share < MOSTLY:
+            raise ValueError(
+                f"holes[{k}]: {share:.2g} of its area, {area.area:.3g} m², lies inside the pial surface, "
+                f"{tissue.area:.3g} m²; it must be at least {MOSTLY:g}. Are both in the same unit?"
+            )
+
+
+def overlapping(holes: list[Array]) -> list[str]:
+    """Return a note on holes that are taken as one."""
+    areas = [_filled(hole) for hole in holes]
+    joined = [f"{a} and {b}" for a, b in _pairs(areas) if _are_one(areas[a], areas[b])]
+    return [f"holes {', '.join(joined)} overlap, and are one"] if joined else []
+
+
+def united(holes: list[Array]) -> BaseGeometry:
+    """Return what holes enclose: the union of those that overlap; one well inside another is an island."""
+    areas = sorted((_filled(hole) for hole in holes), key=lambda area: -area.area)
+    found = areas[0]
+    for k, area in enumerate(areas[1:], start=1):
+        around = [one for one in areas[:k] if one.intersects(area) and one.intersection(area).area > 0]
+        joined = any(_are_one(one, area) for one in around) or not around
+        found = found.union(area) if joined else found.symmetric_difference(area)
+    return found
+
+
+def of_holes(asked: BaseGeometry, tissue: BaseGeometry, made: BaseGeometry, unit: float) -> list[str]:
+    """Return notes on holes that are cut off at the pial surface, made smaller or left out.
+
+    unit: of all lengths, m.
+    """
+    whole = pieces(asked)
+    out = asked.difference(tissue).area
+    m2 = unit**2
+    left = np.array([one.intersection(made).area for one in whole])
+    area = np.array([one.area for one in whole])
+    gone = left == 0
+    less = ~gone & (left < (1 - CHANGED) * area)
+    notes = []
+    if out > CHANGED * asked.area:
+        notes.append(f"{out * m2:.2g} m² of holes outside the pial surface cut off")
+    if less.any():
+        notes.append(
+            f"{less.sum()} holes made smaller, from {m2 * area[less].sum():.3g} to "
+            f"{m2 * left[less].sum():.3g} m², as elements and the cortex around need"
+        )
+    if (more := made.difference(asked).area) > CHANGED * asked.area:
+        notes.append(f"{m2 * more:.2g} m² of islands in holes too small for the elements left out")
+    if gone.any():
+        notes.append(
+            f"{gone.sum()} holes too small or thin for the elements left out, {m2 * area[gone].sum():.2g} m²"
+        )
+    return notes
+
+
+def crossings(loop: Array, enough: int) -> int:
+    """Return how often a closed curve (2, n) crosses itself; not all once there are enough."""
+    ends = np.stack([loop, np.roll(loop, -1, axis=1)], axis=-1).transpose(1, 2, 0)
+    segments = shapely.linestrings(ends)
+    tree, count = shapely.STRtree(segments), 0
+    for low, high in pairwise([*range(0, len(segments), 256), len(segments)]):
+        count += tree.query(segments[low:high], predicate="crosses").shape[1]
+        if count > 2 * enough:
+            break
+    return count // 2
+
+
+def _filled(loop: Array) -> BaseGeometry:
+    return MultiPolygon(pieces(shapely.make_valid(Polygon(loop.T))))
+
+
+def _pairs(areas: list[BaseGeometry]) -> list[tuple[int, int]]:
+    """Return the numbers of areas that have points in common, the smaller number first."""
+    found = shapely.STRtree(areas).query(areas, predicate="intersects").T.tolist() if areas else []
+    return sorted((a, b) for a, b in found if a < b)
+
+
+def _are_one(first: BaseGeometry, second: BaseGeometry) -> bool:
+    """Return whether two holes overlap and neither lies well inside the other."""
+    common, both = first.intersection(second).area, first.union(second).area
+    return bool(common > SAME * both or SLIGHT * both < common < (1 - SLIGHT) * min(first.area, second.area))
