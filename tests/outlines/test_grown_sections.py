@@ -45,8 +45,12 @@ def whole():
 
 
 def labels():
+    """Return the section with steps of voxels; without them, the default, it snaps from growth 1.4 on.
+
+    That took 757 iterations to growth 1.449 and had not ended after 500 s.
+    """
     file = SECTIONS / "s1_labels_coronal_+50_1mm.nii.gz"
-    return outline(read_section(file, gray="1", white="2", plane="coronal"), size=T / 2)
+    return outline(read_section(file, gray="1", white="2", plane="coronal"), size=T / 2, smooth=0)
 
 
 def ferret():
