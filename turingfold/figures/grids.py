@@ -51,7 +51,10 @@ def tissue(axes: Axes, body: Body) -> None:
     corners, gray = body.mesh.t.T, body.in_cortex.astype(float)
     for points in copies(body, body.nodes):
         x, y = MM * points[:, : body.mesh.nvertices]
-        axes.tripcolor(x, y, corners, facecolors=gray, cmap=shades, vmin=0.0, vmax=1.0)
+        axes.tripcolor(
+            x, y, corners, facecolors=gray, cmap=shades, vmin=0.0, vmax=1.0, edgecolors="face", linewidth=0.6,
+            antialiased=True,
+        )  # fmt: skip
         edge(axes, points, body)
     frame(axes)
     scale_bar(axes, body)
