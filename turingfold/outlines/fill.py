@@ -22,6 +22,7 @@ WORST = 21.0  # degrees: below, edges of the frame are split
 SHORTEST = 0.05  # share of the asked size below which edges of the frame are not split
 NEAREST = 4  # nodes of the frame that bound the edge length at a point
 FLAT = 1e-6  # height of a triangle over its length below which its corners are on one line
+CHUNK = 4096  # points whose neighbours are looked for at once
 SLACK = 1.2  # edges may be this much longer than those of the frame beside them
 
 
@@ -135,14 +136,29 @@ def _missing_points(found: Frame, points: Array, triangles: Integers, size: Size
     if not centre.shape[1]:
         return centre
     lengths = size(centre)
-    near = cKDTree(centre.T).query_pairs(0.8 * lengths.max(), output_type="ndarray")
-    apart = np.hypot(*(centre[:, near[:, 0]] - centre[:, near[:, 1]]))
-    clash = near[apart < 0.8 * np.minimum(lengths[near[:, 0]], lengths[near[:, 1]])]
+    clash = _too_near(centre, 0.8 * lengths)
     dropped = np.zeros(centre.shape[1], dtype=bool)
-    for first, second in clash[np.lexsort(clash.T[::-1])].tolist():
+    for first, second in clash.T.tolist():
         if not dropped[first]:
             dropped[second] = True
     return centre[:, ~dropped]
+
+
+def _too_near(points: Array, apart: Array) -> Integers:
+    """Return the pairs of points (2, n) nearer to each other than `apart` (n,) of both, in order; (2, m).
+
+    Each is asked for those within its own distance: within the largest one there are far too many.
+    """
+    tree, pairs = cKDTree(points.T), [np.zeros((2, 0), dtype=np.int64)]
+    for begin in range(0, len(apart), CHUNK):
+        own = np.arange(begin, min(begin + CHUNK, len(apart)))
+        found = tree.query_ball_point(points[:, own].T, apart[own] * (1 + 1e-9), return_sorted=True)
+        second = np.concatenate([np.asarray(each, dtype=np.int64) for each in found])
+        first = np.repeat(own, [len(each) for each in found])
+        distance = np.hypot(*(points[:, first] - points[:, second]))
+        near = (first < second) & (distance < np.minimum(apart[first], apart[second]))
+        pairs.append(np.stack([first[near], second[near]]))
+    return np.concatenate(pairs, axis=1)
 
 
 def _outside_circles(found: Frame, free: Array) -> Array:
