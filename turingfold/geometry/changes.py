@@ -19,13 +19,14 @@ class Changes:
 
     moved: largest distance of a point of the given pial surface from that of the body, m; of pieces that were
     kept, and farther than half an element from where walls of sulci touch.  moved_at_walls: the same there,
-    where walls are moved apart, and sulci closed off.  lost, added: area taken away and filled, as shares of
-    the given area.  cortex: change of the cortex's area as a share of what lies between the given pial and
-    white surfaces; None without the latter.  thickened: the part of it by which the cortex becomes one
-    element thick where it is given thinner, as on the medial wall.  dropped: (x, y, area) of pieces too small
-    for the elements; m and m².  filled: number of closed-off sulci that are too small.  smallest_angle: of
-    the triangles, degrees.  notes: what was repaired, in words.  expected: what elements and smoothing of a
-    smooth outline move its surface by at most, m.
+    where walls are moved apart, and sulci closed off.  lost, added: area taken away and filled, by smoothing,
+    too, as shares of the area inside the given curves; of steps of voxels only the sum counts.  cortex:
+    change of the cortex's area as a share of what lies between the given pial and white surfaces; None
+    without the latter.  thickened: the part of it by which the cortex becomes one element thick where it is
+    given thinner, as on the medial wall.  dropped: (x, y, area) of pieces too small for the elements; m and
+    m².  filled: number of closed-off sulci that are too small.  smallest_angle: of the triangles, degrees.
+    notes: what was repaired, in words.  expected: what elements and smoothing of a smooth outline move its
+    surface by at most, m.
     Results of earlier versions do not tell moved_at_walls, thickened, filled and expected: None.
     """
 

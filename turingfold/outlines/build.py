@@ -120,7 +120,8 @@ def outline(
     mean, mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     changes = replace(changes, expected=max(MOVED * step, shortest, walls))
     if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
-        large = f"outline: {changes}; smaller elements follow it more closely."
+        less = " and less smoothing" if shortest > 0 else ""
+        large = f"outline: {changes}; smaller elements{less} follow it more closely."
         warnings.warn(large, OutlineWarning, stacklevel=2)
     elif loud := [note for note in changes.notes if note not in given.notes]:
         warnings.warn(f"outline: {'; '.join(loud)}.", OutlineWarning, stacklevel=2)
@@ -148,7 +149,7 @@ def _given(
     holes = followed("holes", holes) if holes else []
     doubts = [*doubts, *crossing(loops), *inside(loops)]
     bases = placed_bases(loops, base_ends, least[0])
-    return Given(loops, bases, white, holes, tuple(notes), tuple(doubts))
+    return Given(loops, bases, white, holes, tuple(notes), tuple(doubts), steps=least[1] > 0)
 
 
 def _finest(fine: Any, step: float, grading: float) -> Size:
@@ -193,7 +194,7 @@ def _filled(
 def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] | None) -> Thickness:
     """Return the thickness of the cortex: a number, and where it varies a function of place, too."""
     if white is not None:
-        typical = _median_depth(loops, white) if given is None else positive("thickness", given)
+        typical = _own_depth(loops, white) if given is None else positive("thickness", given)
         return Thickness(typical, None)
     if given is None:
         raise ValueError("thickness is missing: give it in m, or the white surface as interface=....")
@@ -221,8 +222,12 @@ def _median_depth(loops: list[Array], white: list[Array]) -> float:
     """Return the median distance of points of the white surface from the pial one; m."""
     edge = shapely.union_all([shapely.linearrings(loop.T) for loop in loops])
     shapely.prepare(edge)
-    found = float(np.median(shapely.distance(shapely.points(np.concatenate(white, axis=1).T), edge)))
-    if found <= 0:
+    return float(np.median(shapely.distance(shapely.points(np.concatenate(white, axis=1).T), edge)))
+
+
+def _own_depth(loops: list[Array], white: list[Array]) -> float:
+    """Return the median distance of the white surface from the pial one; ValueError if there is none."""
+    if (found := _median_depth(loops, white)) <= 0:
         raise ValueError(
             "interface: half of its points or more lie on the pial surface, so that it does not tell how "
             "thick the cortex is; give the gray-white surface, and a typical thickness=..., too."
@@ -233,7 +238,7 @@ def _median_depth(loops: list[Array], white: list[Array]) -> float:
 def _disagreement(loops: list[Array], white: list[Array], thickness: float) -> list[str]:
     """Return a note if a thickness is not that between the surfaces that are given with it."""
     depth = _median_depth(loops, white)
-    if abs(depth - thickness) <= UNLIKE * depth:
+    if depth == 0 or abs(depth - thickness) <= UNLIKE * depth:
         return []
     return [
         f"thickness={thickness:g} m does not move the interface, which is as given, {depth:.3g} m below the "

@@ -40,7 +40,8 @@ DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the 
 class Given:
     """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes.
 
-    notes: on what was left out of them.  doubts: on what they may not be meant to be.
+    notes: on what was left out of them.  doubts: on what they may not be meant to be.  steps: whether they
+    have steps of voxels, which are smoothed away.
     """
 
     pial: list[Array]
@@ -49,6 +50,7 @@ class Given:
     holes: list[Array]
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    steps: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +151,7 @@ def domain(
         deep = below(area, pial, 2 * size).difference(bases.buffer(size))
         asked = united(walls.polygons)
         holes = large(opened(asked.intersection(deep), 0.25 * size), size**2)
-        told = of_holes(united(given.holes), measured, holes, unit)
+        told = of_holes(asked if given.steps else united(given.holes), measured, holes, unit)
         white = large(white.union(holes.buffer(size)).intersection(below(area, pial, least)), size**2)
     if white.is_empty:
         raise ValueError(
@@ -160,7 +162,16 @@ def domain(
         area, white, holes, surface.bases, surface, within, walls, size, thickness.typical,
         thickness.typical if even else 0.0,
     )  # fmt: skip
-    changes = _changes(given, measured, made, inset, None if within is None else own, allowed)
+    rough = measured if smooth == 0 else even_odd(traced(given.pial, step, 0.0, given.bases).polygons)
+    changes = _changes(given, rough, measured, made, inset)
+    if given.white is not None:
+        below_it = own if smooth == 0 else even_odd(traced(given.white, step).polygons)
+        ribbon = rough.difference(below_it).area
+        changes = replace(
+            changes,
+            cortex=area.difference(white).area / ribbon - 1,
+            thickened=own.intersection(area).difference(allowed).area / ribbon,
+        )
     return made, replace(changes, notes=(*changes.notes, *told))
 
 
@@ -195,15 +206,17 @@ def _refuse_thick(area: MultiPolygon, pial: BaseGeometry, thickness: float, unit
 
 
 def _changes(
-    given: Given, measured: BaseGeometry, made: Domain, inset: float, white: BaseGeometry | None,
-    allowed: BaseGeometry,
-) -> Changes:  # fmt: skip
-    """Return what differs from the measured tissue and its white matter, if that was given.
+    given: Given, rough: BaseGeometry, measured: BaseGeometry, made: Domain, inset: float
+) -> Changes:
+    """Return what differs from the measured tissue, before smoothing (`rough`) and after it.
 
-    allowed: where elements let white matter be.
+    Of steps of voxels that are smoothed away only the sum counts: they are no tissue that is lost or filled.
     """
-    before, after = measured.area, made.area.area
-    lost = measured.difference(made.area)
+    before, after = rough.area, made.area.area
+    if given.steps:
+        lost = measured.difference(made.area).area + max(0.0, before - measured.area)
+    else:
+        lost = rough.difference(made.area).area
     delivered = even_odd(given.pial)
     dropped = [one for one in pieces(delivered) if not one.intersects(made.area)]
     filled = [one for one in hollows(delivered) if made.area.contains(one)]
@@ -211,18 +224,12 @@ def _changes(
     at = np.concatenate(given.pial, axis=1)
     at = at[:, shapely.distance(gone.buffer(ROUND_OFF * made.size), shapely.points(at.T)) != 0]
     away, beside = moved(at, made.area, walls, 0.5 * made.size)
-    cortex = thickened = None
-    if white is not None:
-        ribbon = measured.difference(white).area
-        cortex = made.area.difference(made.white).area / ribbon - 1
-        thickened = white.intersection(made.area).difference(allowed).area / ribbon
     return Changes(
         moved=away,
         moved_at_walls=beside,
-        lost=lost.area / before,
-        added=(after - before + lost.area) / before,
-        cortex=cortex,
-        thickened=thickened,
+        lost=lost / before,
+        added=(after - before + lost) / before,
+        cortex=None,
         dropped=tuple((one.centroid.x, one.centroid.y, one.area) for one in dropped),
         filled=len(filled),
         smallest_angle=float("nan"),
