@@ -144,7 +144,8 @@ def test_a_state_of_another_run_is_left_out(finished, out, another, name):
 def test_a_frame_of_another_run_is_told_of(out, another, name):
     shutil.copy(another / name, out / name)
     with pytest.warns(UserWarning, match=rf"{name} does not belong to the scene.json beside it"):
-        load(out)
+        found = load(out)
+    assert found.last.time == 1.0  # the states are its own
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")

@@ -119,17 +119,25 @@ def outline(
     given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
     mean, mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     changes = replace(changes, expected=max(MOVED * step, shortest, walls))
-    if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
-        less = " and less smoothing" if shortest > 0 else ""
-        large = f"outline: {changes}; smaller elements{less} follow it more closely."
-        warnings.warn(large, OutlineWarning, stacklevel=2)
-    elif loud := [note for note in changes.notes if note not in given.notes]:
-        warnings.warn(f"outline: {'; '.join(loud)}.", OutlineWarning, stacklevel=2)
+    _warn(changes, given, shortest)
     even = interface is None and depth.at is None
     typical = depth.typical if depth.typical > 0 else mean
     return Body(
         mesh, typical, base, layers, hole=hole, depth_by="thickness" if even else "interface", changes=changes
     )
+
+
+def _warn(changes: Changes, given: Given, shortest: float) -> None:
+    """Warn where the body is much unlike its outline, or the outline may not be what was meant.
+
+    shortest: details below this were smoothed away; m.
+    """
+    if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
+        less = " and less smoothing" if shortest > 0 else ""
+        large = f"outline: {changes}; smaller elements{less} follow it more closely."
+        warnings.warn(large, OutlineWarning, stacklevel=3)
+    elif loud := [note for note in changes.notes if note not in given.notes]:
+        warnings.warn(f"outline: {'; '.join(loud)}.", OutlineWarning, stacklevel=3)
 
 
 def _given(
