@@ -142,7 +142,7 @@ def crossings(loop: Array, enough: int) -> int:
     tree, count = shapely.STRtree(segments), 0
     for low, high in pairwise([*range(0, len(segments), 256), len(segments)]):
         count += tree.query(segments[low:high], predicate="crosses").shape[1]
-        if count > 2 * enough:
+        if count >= 2 * (enough + 1):  # each is found from both segments
             break
     return count // 2
 

@@ -291,6 +291,7 @@ class ContactEvaluation(Abrupt):
         operator, potential = self.operator, self.potential
         wanted = np.maximum(self.walls.counts, operator.needed(self.points))
         crossed = np.unique(self._crossed)
+        crossed = crossed[~operator.straight[crossed]]
         while not self._crosses(wanted) and (wanted[crossed] < MOST).any():
             wanted[crossed] = np.minimum(2 * wanted[crossed], MOST)
         if not self._crosses(wanted):
