@@ -24,7 +24,7 @@ ROOMS = (
     ("parts",),
     ("scene",),
     ("growth", "outlines", "turing"),
-    ("terms",),
+    ("readers", "terms"),
     ("models",),
     ("extend", "solve"),
     ("stability",),

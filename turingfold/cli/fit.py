@@ -199,7 +199,7 @@ def outline(path: Path, unit: str | None, known: tuple[Any, ...]) -> Array:
     """Return the pial surface of a result's end, or the outline in a file, (2, n); m."""
     if path.is_dir():
         return load(path, known=known).pial()
-    from ..outlines.read import read_outline
+    from ..readers.read import read_outline
 
     read = read_outline(path, unit=unit)
     return read.single() if read.unit is not None else read_outline(path, unit=1.0).single()

@@ -125,7 +125,7 @@ def compare(
 def _curve(path: Path, known: tuple[Any, ...]) -> tuple[Array, Array | None, float | None]:
     """Return the pial surface of a result with its start and thickness, or the outline in a file without."""
     if path.is_file():
-        from ..outlines.read import read_outline
+        from ..readers.read import read_outline
 
         return read_outline(path).single(), None, None
     from ..results.loading import load

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..growth.zones import HalfPlane, Zone
-from ..outlines.read import read_outline
+from ..readers.read import read_outline
 from ..terms.elastic.material import NeoHookean
 from ..terms.elastic.term import Elastic
 

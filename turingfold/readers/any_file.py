@@ -10,10 +10,10 @@ import numpy as np
 from ..arrays import Array
 from ..checks import file_path, positive
 from ..geometry.units import metres
+from ..outlines.section import Section
 from .image import PICTURES
 from .mask import sections
 from .read import COLUMNS, contours
-from .section import Section
 from .surface import surface_section
 
 VOLUMES = (".nii", ".nii.gz", ".mgz", ".mgh", ".img", ".hdr")

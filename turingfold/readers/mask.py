@@ -12,8 +12,8 @@ from shapely import Polygon
 
 from ..arrays import Array
 from ..checks import finite, one_of, whole
+from ..outlines.section import Section
 from .image import PLANES, Image
-from .section import Section
 from .tissues import Labels, Tissue, tissues_of
 
 

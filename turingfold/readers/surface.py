@@ -16,8 +16,8 @@ from ..arrays import Array, Integers
 from ..checks import file_path, finite, finite_array, one_of
 from ..geometry.paths import chains
 from ..geometry.units import metres
+from ..outlines.section import Section
 from .image import DAMAGE, PLANES, nibabel_for
-from .section import Section
 
 Surface = str | os.PathLike[str] | tuple[Any, Any]
 
