@@ -22,6 +22,7 @@ from .state import State
 from .turing.kinetics.base import Kinetics
 
 STEPS = 2.0 ** -np.arange(0.0, 15.0, 2.0)
+NONE = 2.0 ** -np.arange(24.0, 27.0)  # steps so short that a remainder over them is round-off
 ORDER = 1.9  # of a remainder that is meant to have order 2
 SMOOTH = 1e-4  # relative error of a derivative by differences (contact: 2e-5, its barrier is C²)
 
@@ -37,14 +38,15 @@ def dense(hessian: Hessian, n_dofs: int) -> Array:
 def taylor_order(remainder: Callable[[float], float], size: float, step: float) -> float:
     """Return the order at which a Taylor remainder falls with the step; inf where it is round-off.
 
-    It is taken over the smallest steps above round-off: there, an error in a derivative shows as order 1.
-    size: of the quantity itself, that round-off is relative to.
+    It is taken over the smallest steps well above round-off: there an error in a derivative shows as order 1.
+    Round-off is what remains over much shorter steps, and relative to size, that of the quantity itself.
     """
     lengths = step * STEPS
     found = np.array([abs(remainder(h)) for h in lengths])
     if found.max() <= 1e-12 * size:
         return np.inf
-    seen = found > 1e-11 * size
+    noise = max(abs(remainder(h)) for h in step * NONE)
+    seen = found > max(1e-11 * size, 30.0 * noise)
     _hold(seen.sum() >= 3, f"too few remainders above round-off: {found} of {size:g}; use a larger step")
     return float(np.polyfit(np.log(lengths[seen][-3:]), np.log(found[seen][-3:]), 1)[0])
 

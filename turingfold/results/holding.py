@@ -30,4 +30,4 @@ def warn_of_holding(scene: Scene, before: Sequence[Mapping[str, float]], force: 
     """Warn (HoldingForceWarning) of the first force of a run that is to be told; before: rows before it."""
     words = holding_words(scene, force)
     if words and not any(holding_words(scene, row.get("holding_force")) for row in before):
-        warnings.warn(words, HoldingForceWarning, stacklevel=5)
+        warnings.warn(words, HoldingForceWarning, stacklevel=6)

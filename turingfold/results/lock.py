@@ -55,7 +55,7 @@ class FolderLock:
         except OSError as error:  # some network drives know no locks
             warnings.warn(
                 f"{self._file.parent} cannot be locked ({error.strerror}); run one scene at a time in it.",
-                stacklevel=5,
+                stacklevel=6,
             )
         self._descriptor = descriptor
         if not self._own():  # its last holder has removed the file in between

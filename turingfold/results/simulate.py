@@ -18,6 +18,7 @@ from ..growth.measure import largest_growth
 from ..scene import Scene, reached
 from ..solve.march import Progress, Step, begin, march
 from ..solve.problem import Problem
+from ..solve.threads import one_thread
 from ..state import State
 from ..terms.boundary import crossings
 from .document import origin
@@ -53,6 +54,7 @@ class StoppedError(NotConvergedError):
         self.result = result
 
 
+@one_thread
 def simulate(
     scene: Scene,
     out: FilePath | None = None,
@@ -79,8 +81,8 @@ def simulate(
     default where `out` keeps them. Of scenes that move or remember that takes half as long as the march. None
     after a time limit.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
-    Results repeat bit for bit with one BLAS thread, which is also fastest: set OMP_NUM_THREADS=1 and
-    OPENBLAS_NUM_THREADS=1 before numpy is imported (the command line does).
+    It works with one BLAS thread, so that results repeat bit for bit, unless OMP_NUM_THREADS,
+    OPENBLAS_NUM_THREADS or MKL_NUM_THREADS gives another number.
     Warns (CoarseMeshWarning) of fewer than three elements through a growing cortex, and of parts that push on
     the nodes that only hold them in place (HoldingForceWarning).
     Raises StoppedError where no step is possible any more, ValueError where `out` holds something else and
@@ -122,7 +124,7 @@ def coarseness(elements: float, remedy: str = "make size= smaller (elements= lar
 def _warn_if_coarse(scene: Scene) -> None:
     words = coarseness(scene.body.elements_through_cortex)
     if words and any("growth" in process.writes for process in scene.processes):
-        warnings.warn(words, CoarseMeshWarning, stacklevel=3)
+        warnings.warn(words, CoarseMeshWarning, stacklevel=4)
 
 
 @dataclass

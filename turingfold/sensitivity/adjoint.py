@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..results.result import Result
+from ..solve.threads import one_thread
 from .measures import MEASURES, Measure, gradient_of, measures_of, numbers_at
 from .parameters import counted, values_in
 from .tangent import Equilibrium
@@ -44,6 +45,7 @@ class AdjointSensitivity:
         return f"AdjointSensitivity(of {', '.join(self.measures)} to {to})"
 
 
+@one_thread
 def adjoint_sensitivity(
     result: Result, *, to: Sequence[str] = (), of: Sequence[str | Measure] = MEASURES, step: int = -1
 ) -> AdjointSensitivity:

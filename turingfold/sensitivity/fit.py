@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 
 from ..checks import finite, instance, positive
 from ..scene import Scene
+from ..solve.threads import one_thread
 from .fit_setup import begun_with, check_fitted, keep_best, make_folder
 from .inverse import Fit, Inverse
 from .landmarks import checked_landmarks
@@ -36,6 +37,7 @@ ENDS = {
 }
 
 
+@one_thread
 def fit(
     scene: Scene,
     targets: Mapping[float, Any],

@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import finite_array
 from ..results.result import Result
+from ..solve.threads import one_thread
 from .measures import MEASURES, Measure, measures_of, numbers_at, rate_along
 from .parameters import counted, values_in
 from .tangent import Equilibrium
@@ -89,6 +90,7 @@ class Sensitivity:
         return "\n".join(lines)
 
 
+@one_thread
 def sensitivity(
     result: Result, *, to: Sequence[str], of: Sequence[str | Measure] = MEASURES, step: int = -1
 ) -> Sensitivity:

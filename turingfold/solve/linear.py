@@ -18,6 +18,7 @@ from ..errors import NotConvergedError
 from .inertia import Factors, Indefinite
 from .memory import CHOLMOD, check_memory
 from .sparsity import Sparsity
+from .threads import limit_loaded
 
 
 class NotPositiveDefinite(Exception):  # noqa: N818 - an answer, not a failure
@@ -40,6 +41,8 @@ class Cholmod:
     def __init__(self, sparsity: Sparsity) -> None:
         check_memory(sparsity.n, len(sparsity.keys), CHOLMOD)
         from cvxopt import cholmod, matrix, spmatrix
+
+        limit_loaded()  # this one's BLAS, too
 
         self._matrix, self._cholmod = matrix, cholmod
         cholmod.options["supernodal"] = 2

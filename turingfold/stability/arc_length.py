@@ -21,6 +21,7 @@ from ..errors import NotConvergedError, SolveError
 from ..geometry.body import by_node
 from ..growth.measure import largest_growth
 from ..scene import Scene
+from ..solve.threads import one_thread
 from ..state import State
 from .corrector import Balanced, Corrector, Direction, Place
 
@@ -119,6 +120,7 @@ class PathStoppedError(NotConvergedError):
         self.path = path
 
 
+@one_thread
 def equilibria(
     scene: Scene, *, arc: float = 0.05, smallest: float = 1e-4, largest: float = 2.0, steps: int = 200,
     until: float | None = None, start: PathPoint | None = None, backward: bool = False,

@@ -25,6 +25,7 @@ from ..growth.measure import largest_growth
 from ..scene import Scene
 from ..solve.inertia import negative_pivots as negative_pivots
 from ..solve.march import Progress
+from ..solve.threads import one_thread
 from ..state import State
 from .fundamental_path import FundamentalPath, FundamentalState
 from .waves import LOCAL, extent_of, half_waves
@@ -82,6 +83,7 @@ class Buckling:
         return Progress(self.state.updated(displacement=moved), positive("dt", dt))
 
 
+@one_thread
 def buckling(scene: Scene, *, progress: Watching | None = None) -> Buckling:
     """Return the first loss of stability along the scene's smooth solution.
 
