@@ -445,14 +445,13 @@ def test_smoothing_removes_noise_and_keeps_the_circle():
     rng = np.random.default_rng(0)
     points = circle(600)
     noisy = points * (1 + 0.001 * rng.standard_normal(600))
-    smooth = line(noisy, closed=True, smooth=0.1)
-    radius = np.hypot(*smooth.at(smooth.spaced(0.01)))
+    radius = np.hypot(*line(noisy, closed=True, step=0.01, smooth=0.1))
     # the kernel 2g - g*g lets through the share h/(2π) ∫ k̂² dk of the variance of white noise, h the spacing
     share = 2 * np.pi / 600 / (2 * np.pi) * np.sqrt(np.pi) / 0.1 * (4 - 4 / np.sqrt(1.5) + 1 / np.sqrt(2))
     assert radius.std() == pytest.approx(0.001 * np.sqrt(share), rel=0.3)  # about 2 π/0.25 independent values
-    exact = line(points, closed=True, smooth=0.5)
+    exact = line(points, closed=True, step=0.1, smooth=0.5)
     shrunk = 1 - (1 - np.exp(-0.5 * 0.5**2)) ** 2
-    assert np.hypot(*exact.at(exact.spaced(0.1))) == pytest.approx(shrunk, abs=1e-4)
+    assert np.hypot(*exact) == pytest.approx(shrunk, abs=1e-4)
 
 
 @pytest.mark.parametrize("smooth", [3.0, 10.0, 1000.0])
@@ -460,15 +459,15 @@ def test_smoothing_that_leaves_nothing_of_a_circle_is_refused(smooth):
     kept = 1 - (1 - np.exp(-0.5 * smooth**2)) ** 2  # of the radius 1, which is one wave
     assert kept < 0.1
     with pytest.raises(ValueError, match=rf"smooth={smooth:g} m leaves .* make it smaller"):
-        line(circle(), True, smooth)
+        line(circle(), True, 0.05, smooth)
 
 
 def test_smoothing_keeps_the_ends_of_an_open_curve():
     x = np.linspace(0, 1, 100)
     points = np.stack([x, np.sin(40 * x)])
-    smooth = line(points, closed=False, smooth=0.5)
-    assert smooth.at(np.array([0.0, smooth.length])) == pytest.approx(points[:, [0, -1]], abs=1e-9)
-    assert np.ptp(smooth.at(smooth.spaced(0.01))[1]) < 0.9 * np.ptp(points[1])
+    smooth = line(points, closed=False, step=0.01, smooth=0.5)
+    assert smooth[:, [0, -1]] == pytest.approx(points[:, [0, -1]], abs=1e-9)
+    assert np.ptp(smooth[1]) < 0.9 * np.ptp(points[1])
 
 
 def test_a_closed_outline_is_counter_clockwise_without_repeats():

@@ -83,9 +83,17 @@ def test_what_holds_parts_in_place_carries_what_others_push_with(pair):
     left = pair.nodes[0] < 1.025
     free = [row["holding_force"] for row in result.history if np.isnan(row["min_gap"])]
     assert max(free) < 1e-6 < 1e-2 < result.history[-1]["holding_force"]
-    # each part is held at one node near its middle, and at another against rotation
-    across = abs(pushed[left, 0].sum())
-    assert result.history[-1]["holding_force"] == pytest.approx(across, rel=0.05)
+    # each part is held at one node near its middle, and at another against rotation: no sum, no moment
+    x, y = pair.nodes + result.last["displacement"]
+    carried = []
+    for part in (left, ~left):
+        held = [dof for dof in pair.fixed.tolist() if part[dof // 2]]
+        motions = np.array([[1 - d % 2, d % 2, x[d // 2] if d % 2 else -y[d // 2]] for d in held]).T
+        fx, fy = pushed[part].T
+        carried += np.linalg.solve(
+            motions, [fx.sum(), fy.sum(), (x[part] * fy - y[part] * fx).sum()]
+        ).tolist()
+    assert result.history[-1]["holding_force"] == pytest.approx(np.abs(carried).max(), rel=1e-5)
     dragged = simulate(replace(begun, terms=(*begun.terms, Drag(coefficient=1e-4))))
     assert dragged.summary()["holding_force"] is None
     moved = [dragged.last["displacement"][0, part].mean() for part in (left, ~left)]

@@ -16,7 +16,7 @@ from ..arrays import Array, Booleans, Integers
 from .frame import RESOLUTION, Frame, Side, Size, kept, missing, split
 
 ROUNDS = 60
-RELAXATIONS = 8
+RELAXATIONS = 4
 REPAIRS = 6
 WORST = 21.0  # degrees: below, edges of the frame are split
 SHORTEST = 0.05  # share of the asked size below which edges of the frame are not split
@@ -37,21 +37,19 @@ def fill(
     Raises ValueError if an edge of the frame cannot be kept.
     """
     shortest = SHORTEST * float(min(size(one.line).min() for one in sides))
-    free = np.empty((2, 0))
-    best: tuple[float, Frame, Array, Integers] | None = None
-    for attempt in range(REPAIRS):
+    best, result = -np.inf, None
+    for _ in range(REPAIRS):
         sides, found = kept(sides, shortest)
         bounded = _bounded(found, size, white, grading)
-        free = _refined(found, _outside_circles(found, free), bounded)
-        for _ in range(RELAXATIONS if attempt == 0 else RELAXATIONS // 2):
-            points, triangles = _triangulated(found, free)
-            free = _outside_circles(found, _relaxed(points, triangles, bounded)[:, found.points.shape[1] :])
-        points, triangles = _triangulated(found, free)
-        gone, smallest = missing(found, triangles), angles(points, triangles)
-        worst = -1.0 if len(gone) else float(smallest.min())
-        if best is None or worst > best[0]:
-            best = worst, found, points, triangles
-        if worst >= WORST:
+        points, triangles = _refined(found, np.empty((2, 0)), bounded)
+        for _ in range(RELAXATIONS):
+            free = _relaxed(points, triangles, bounded)[:, found.points.shape[1] :]
+            points, triangles = _refined(found, _outside_circles(found, free), bounded)
+            gone, smallest = missing(found, triangles), angles(points, triangles)
+            worst = -1.0 if len(gone) else min(WORST, float(smallest.min()))
+            if worst >= best:
+                best, result = worst, (found, points, triangles)
+        if best == WORST:
             break
         beside = np.flatnonzero(np.isin(found.edges, triangles[:, smallest < WORST]).any(axis=0))
         again = np.union1d(beside, gone)
@@ -59,14 +57,14 @@ def fill(
         if not len(again):
             break
         sides = split(sides, found, again)
-    assert best is not None
-    if best[0] < 0:
+    assert result is not None
+    if best < 0:
         x, y = found.points[:, found.edges[:, gone[0]]].mean(1)
         raise ValueError(
             f"the mesh loses {len(gone)} edges of boundary or interface, first near ({x:.4g}, {y:.4g}), "
             "where two lines come closer than the element size; use smaller elements (size=...)."
         )
-    return best[1:]
+    return result
 
 
 def _bounded(found: Frame, size: Size, white: Callable[[Array], Booleans], grading: float) -> Size:
@@ -110,14 +108,15 @@ def _triangulated(found: Frame, free: Array) -> tuple[Array, Integers]:
     return points, np.delete(triangles, unsure[~keep], axis=1)
 
 
-def _refined(found: Frame, free: Array, size: Size) -> Array:
+def _refined(found: Frame, free: Array, size: Size) -> tuple[Array, Integers]:
+    """Return points, the frame's first, and triangles, after adding points where triangles are too large."""
     for _ in range(ROUNDS):
         points, triangles = _triangulated(found, free)
         more = _missing_points(found, points, triangles, size)
         if not more.shape[1]:
             break
         free = np.concatenate([free, more], axis=1)
-    return free
+    return points, triangles
 
 
 def _missing_points(found: Frame, points: Array, triangles: Integers, size: Size) -> Array:

@@ -13,12 +13,12 @@ from scipy.spatial import cKDTree
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array, Booleans, Integers
-from .region import even_odd
 
 Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 Put = Callable[[Array], Array]  # points (2, n) near a smooth line -> points on it
 
 BEND = 0.8  # rad, by which an edge of a curved line turns at most
+BEND_OF_HOLES = 0.4  # rad: elements around them are large; at 0.8 a round hole lacks 8e-4 of its area
 FINEST = 0.3  # share of the asked element size below which bends do not refine a line
 RESOLUTION = 2.0**-24  # of the extent: smaller differences are round-off
 CORNER = 30.0  # degrees by which a base must turn for its vertex to be kept
@@ -99,7 +99,8 @@ def _edge_lengths(made: Side, low: float, high: float, size: Size) -> tuple[Arra
         before, here, after = (x + 1j * y for x, y in (made.at(behind), made.at(s), made.at(ahead)))
         steps = (after - here) * np.conj(here - before)  # 0 at open ends
         bend = np.where(steps == 0, 0.0, np.abs(np.angle(steps))) / (2 * h)
-        edge = np.minimum(edge, np.maximum(BEND / np.maximum(bend, 1e-12 / h), FINEST * edge))
+        most = BEND_OF_HOLES if made.kind == "hole" else BEND
+        edge = np.minimum(edge, np.maximum(most / np.maximum(bend, 1e-12 / h), FINEST * edge))
     grading = 0.35
     laps = 3 if made.closed else 1
     along = np.concatenate([s + lap * (high - low) for lap in range(laps)])
@@ -142,8 +143,7 @@ class Frame:
     def domain(self) -> BaseGeometry:
         """What the boundary edges enclose, ready to be asked about points."""
         ends = np.moveaxis(self.points[:, self.edges[:, self.outer]], 0, -1)  # (2, m, 2)
-        rings = shapely.get_parts(shapely.polygonize(shapely.linestrings(ends.swapaxes(0, 1))))
-        area = even_odd([shapely.get_coordinates(ring.exterior).T for ring in rings])
+        area = shapely.build_area(shapely.MultiLineString(list(ends.swapaxes(0, 1))))
         shapely.prepare(area)
         return area
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 from shapely import Polygon
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..checks import finite_array, real_array
-from .line import Line, line
+from .line import FINER, line
+from .region import nearest, segments
 from .relations import crossings
 
 FEWEST = 8  # different points that make an outline
@@ -123,41 +124,22 @@ def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """Closed polygons sampled densely along smooth lines, and the way back from a point to those lines.
+    """Closed curves sampled along smooth lines: as polygons, and so finely that chords are the curve.
 
-    polygons: (2, n) each.  lines: smooth parts.  which, low, high: per sample, in order, the line on which
-    the way to the next sample lies (-1: straight), and the arc lengths of both on it.
-    bases: straight parts that are not pial, (2, n) each.
+    polygons, fine: (2, n) each.  bases: straight parts that are not pial, (2, n) each.
     """
 
     polygons: list[Array]
-    lines: list[Line]
-    which: Integers
-    low: Array
-    high: Array
-    bases: list[Array] = field(default_factory=list)
+    fine: list[Array]
+    bases: list[Array]
+
+    @cached_property
+    def _segments(self) -> shapely.STRtree:
+        return segments(self.fine)
 
     def feet(self, at: Array) -> Array:
-        """Return about the nearest points of the curves to points (2, n), on the smooth lines; (2, n)."""
-        start = np.concatenate(self.polygons, axis=1)
-        end = np.concatenate([np.roll(one, -1, axis=1) for one in self.polygons], axis=1)
-        counts = [one.shape[1] for one in self.polygons]
-        before = np.concatenate([np.roll(np.arange(n), 1) for n in counts]) + np.repeat(
-            np.cumsum([0, *counts[:-1]]), counts
-        )
-        near = np.asarray(cKDTree(start.T).query(at.T)[1])
-        best, found = np.full(at.shape[1], np.inf), at.copy()
-        for k in (near, before[near]):
-            step = end[:, k] - start[:, k]
-            share = np.clip(((at - start[:, k]) * step).sum(0) / (step**2).sum(0), 0.0, 1.0)
-            feet, s = start[:, k] + share * step, self.low[k] + share * (self.high[k] - self.low[k])
-            for number, smooth in enumerate(self.lines):
-                on = self.which[k] == number
-                feet[:, on] = smooth.at(s[on])
-            distance = np.hypot(*(at - feet))
-            found = np.where(distance < best, feet, found)
-            best = np.minimum(best, distance)
-        return found
+        """Return the nearest points of the smooth lines to points (2, n), (2, n)."""
+        return nearest(at, self._segments)
 
 
 def traced(
@@ -165,27 +147,22 @@ def traced(
 ) -> Trace:
     """Return loops (2, n) sampled every `step` along the splines through their points; bases stay as given.
 
-    Points closer than 0.8 steps to the one before are left out. smooth: details shorter than this go.
+    Points within 0.8 steps of the one before are left out. smooth: details shorter than this go.
     """
-    polygons, lines, bottoms = [], [], []
-    pieces: list[tuple[int, Array, Array]] = []
+    polygons, fine, bottoms = [], [], []
     for k, loop in enumerate(loops):
-        points = []
+        dense, every = [], []
         for part, curved in _parts(loop, [base[1:] for base in bases if base[0] == k]):
             closed = curved and part is loop
             if curved:
-                lines.append(line(_evened(_thinned(part, closed, 0.8 * step), closed), closed, smooth))
-                s = np.append(lines[-1].spaced(step), lines[-1].length if closed else [])
-                points.append(lines[-1].at(s[:-1]))
-                pieces.append((len(lines) - 1, s[:-1], s[1:]))
+                points = line(_evened(_thinned(part, closed, 0.8 * step), closed), closed, step, smooth)
             else:
-                bottoms.append(part)
-                points.append(part[:, :-1])
-                pieces.append((-1, np.zeros(part.shape[1] - 1), np.zeros(part.shape[1] - 1)))
-        polygons.append(np.concatenate(points, axis=1))
-    which = np.concatenate([np.full(len(low), number) for number, low, _ in pieces])
-    low, high = (np.concatenate([piece[k] for piece in pieces]) for k in (1, 2))
-    return Trace(polygons, lines, which, low, high, bottoms)
+                bottoms.append(points := part)
+            dense.append(points if closed else points[:, :-1])
+            every.append(dense[-1][:, :: FINER if curved else 1])
+        fine.append(np.concatenate(dense, axis=1))
+        polygons.append(np.concatenate(every, axis=1))
+    return Trace(polygons, fine, bottoms)
 
 
 def _parts(loop: Array, bases: list[tuple[int, int]]) -> list[tuple[Array, bool]]:
@@ -206,17 +183,11 @@ def _parts(loop: Array, bases: list[tuple[int, int]]) -> list[tuple[Array, bool]
 
 
 def _thinned(curve: Array, closed: bool, spacing: float) -> Array:
-    """Return the curve without points nearer than `spacing` to the last kept one; open ends stay."""
-    kept, last = [0], curve.shape[1] - 1
-    x, y = curve.tolist()
-    for k in range(1, last + 1):
-        if np.hypot(x[k] - x[kept[-1]], y[k] - y[kept[-1]]) >= spacing:
-            kept.append(k)
-    if not closed and kept[-1] != last:
-        kept = [*(kept[:-1] if len(kept) > 1 else kept), last]
-    if closed and len(kept) > 3 and np.hypot(*(curve[:, kept[-1]] - curve[:, 0])) < spacing:
-        kept = kept[:-1]
-    return curve[:, kept]
+    """Return the curve without points within `spacing` of the last kept one; open ends stay."""
+    whole = np.concatenate([curve, curve[:, :1]], axis=1) if closed else curve
+    kept = shapely.remove_repeated_points(shapely.LineString(whole.T), spacing)
+    points = np.array(kept.coords).T
+    return points[:, :-1] if closed else points
 
 
 def _evened(curve: Array, closed: bool) -> Array:

@@ -16,6 +16,7 @@ from .fill import angles, fill
 from .frame import Frame, Side, Size, side
 from .region import rings
 
+AWAY = 1e-3  # of the size: lines that end nearer than this to a base end on it, or at its tip
 BULGE = 0.1  # largest share of its length by which an edge is curved
 
 
@@ -42,76 +43,48 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
 
 
 def _sides(made: Domain, size: Size) -> list[Side]:
-    """Return all lines of the frame with their nodes."""
-    sides: list[Side] = []
-    inner, stops = _interface(made)
-    for ring in rings(made.area):
-        sides += _boundary(made, ring, size, stops)
-    for line in inner:
-        sides.append(side("interface", line, size, made.on_interface))
-    sides += [side("hole", ring, size, made.on_wall) for ring in rings(made.holes)]
-    return sides
-
-
-def _boundary(made: Domain, ring: Array, size: Size, stops: list[list[float]]) -> list[Side]:
-    """Return a ring of the boundary as pial lines and bases."""
-    whole, put = Side("pial", ring, np.zeros(0), _same), made.on_surface
-    curve = shapely.LinearRing(ring.T)
-    cuts = []
-    for k, base in enumerate(made.bases):
-        first, last = shapely.points(base[:, 0]), shapely.points(base[:, -1])
-        if curve.distance(first) + curve.distance(last) < 1e-3 * made.size:
-            cuts.append((curve.project(first), curve.project(last), k))
-    if not cuts:
-        return [side("pial", ring, size, put)]
-    cuts.sort()
-    sides, total = [], float(whole.arc[-1])
-    for n, (_, end, k) in enumerate(cuts):
-        base = made.bases[k]
-        begin, _, onward = cuts[(n + 1) % len(cuts)]
-        between = (
-            whole.arc[(whole.arc > end) & (whole.arc < begin)]
-            if end < begin
-            else np.concatenate([whole.arc[whole.arc > end], whole.arc[1:][whole.arc[1:] < begin] + total])
-        )
-        middle = whole.at(between % total if end >= begin else between)
-        apart = 1e-3 * made.size
-        for tip in (base[:, -1], made.bases[onward][:, 0]):
-            middle = middle[:, np.hypot(*(middle - tip[:, None])) > apart]
-        pial = np.concatenate([base[:, -1:], middle, made.bases[onward][:, :1]], axis=1)
-        sides += [side("base", base, size, _same, np.array(stops[k])), side("pial", pial, size, put)]
-    return sides
+    """Return all lines of the frame with their nodes; bases have some where other lines end on them."""
+    tips = [shapely.points(base.T[[0, -1]]) for base in made.bases]
+    bases = [
+        base
+        for base, ends in zip(made.bases, tips, strict=True)
+        if shapely.dwithin(made.area.boundary, ends, AWAY * made.size).all()
+    ]
+    stops: list[list[float]] = [[] for _ in bases]
+    boundary, interface = (_ended(rings(area), bases, stops, made.size) for area in (made.area, made.white))
+    return [
+        *(side("pial", line, size, made.on_surface) for line in boundary),
+        *(side("base", base, size, _same, np.array(at)) for base, at in zip(bases, stops, strict=True)),
+        *(side("interface", line, size, made.on_interface) for line in interface),
+        *(side("hole", ring, size, made.on_wall) for ring in rings(made.holes)),
+    ]
 
 
 def _same(at: Array) -> Array:
     return at
 
 
-def _interface(made: Domain) -> tuple[list[Array], list[list[float]]]:
-    """Return the lines between gray and white matter, and per base the arc lengths at which they end."""
-    stops: list[list[float]] = [[] for _ in made.bases]
-    whole = rings(made.white)
-    if not made.bases:
-        return whole, stops
-    bottoms = [Side("base", base, np.zeros(0), _same) for base in made.bases]
-    lines = [shapely.LineString(base.T) for base in made.bases]
-    near = shapely.union_all(lines).buffer(1e-4 * made.size)
+def _ended(whole: list[Array], bases: list[Array], stops: list[list[float]], size: float) -> list[Array]:
+    """Return rings without the parts along bases; where the rest ends is added to the stops of the base.
+
+    stops: arc lengths along each base.
+    """
+    lines = [shapely.LineString(base.T) for base in bases]
+    near = shapely.union_all(lines).buffer(0.1 * AWAY * size)
     found = []
     for ring in whole:
-        if not shapely.LineString(ring.T).intersects(near):
-            found.append(ring)
-            continue
-        off = shapely.line_merge(shapely.LineString(ring.T).difference(near))
-        for part in shapely.get_parts(off):
+        rest = shapely.LineString(ring.T).difference(near) if bases else shapely.LineString(ring.T)
+        for part in shapely.get_parts(shapely.line_merge(rest)):
             line = shapely.get_coordinates(part).T.copy()
-            for end in (0, -1):
-                tip = shapely.points(line[:, end])
-                k = int(np.argmin([one.distance(tip) for one in lines]))
-                at = lines[k].project(tip)
-                stops[k].append(at)
-                line[:, end] = bottoms[k].at(np.array([at]))[:, 0]
+            for end in () if part.is_ring else (0, -1):
+                k = int(np.argmin(shapely.distance(lines, shapely.points(line[:, end]))))
+                at = lines[k].project(shapely.points(line[:, end]))
+                tip = 0 if at < AWAY * size else -1 if at > lines[k].length - AWAY * size else None
+                if tip is None:
+                    stops[k].append(at)
+                line[:, end] = lines[k].interpolate(at).coords[0] if tip is None else bases[k][:, tip]
             found.append(line)
-    return found, stops
+    return found
 
 
 def _quadratic(found: Frame, points: Array, triangles: Integers, middles: Array, white: Booleans) -> MeshTri2:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 
 import numpy as np
@@ -41,6 +42,19 @@ def rings(area: BaseGeometry) -> list[Array]:
     """Return all rings of a set, counter-clockwise, (2, n) with the first point repeated."""
     found = [ring for one in pieces(area) for ring in (one.exterior, *one.interiors)]
     return [shapely.get_coordinates(ring if ring.is_ccw else ring.reverse()).T for ring in found]
+
+
+def segments(loops: Sequence[Array]) -> shapely.STRtree:
+    """Return the segments of closed curves (2, n), for `nearest`."""
+    ends = [np.stack([loop, np.roll(loop, -1, axis=1)], axis=-1) for loop in loops]
+    return shapely.STRtree(shapely.linestrings(np.concatenate(ends, axis=1).transpose(1, 2, 0)))
+
+
+def nearest(points: Array, curves: shapely.STRtree) -> Array:
+    """Return the place on curves, as `segments` makes them, nearest to each point, both (2, n)."""
+    given = shapely.points(points.T)
+    near = curves.geometries[curves.nearest(given)]
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(given, near))[1::2].T, dtype=float)
 
 
 def opened(area: BaseGeometry, radius: float) -> BaseGeometry:

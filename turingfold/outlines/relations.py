@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import shapely
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array
-from .region import even_odd, pieces
+from .region import even_odd, pieces, segments
 
 INSIDE = 0.9  # share of the interface's area that lies inside the pial surface
 FILLED = 0.99  # share of the tissue that the interface encloses at most
@@ -137,11 +135,9 @@ def of_holes(asked: BaseGeometry, tissue: BaseGeometry, made: BaseGeometry, unit
 
 def crossings(loop: Array, enough: int) -> int:
     """Return how often a closed curve (2, n) crosses itself; not all once there are enough."""
-    ends = np.stack([loop, np.roll(loop, -1, axis=1)], axis=-1).transpose(1, 2, 0)
-    segments = shapely.linestrings(ends)
-    tree, count = shapely.STRtree(segments), 0
-    for low, high in pairwise([*range(0, len(segments), 256), len(segments)]):
-        count += tree.query(segments[low:high], predicate="crosses").shape[1]
+    tree, count = segments([loop]), 0
+    for low in range(0, len(tree), 256):
+        count += tree.query(tree.geometries[low : low + 256], predicate="crosses").shape[1]
         if count >= 2 * (enough + 1):  # each is found from both segments
             break
     return count // 2

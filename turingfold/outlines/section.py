@@ -11,7 +11,7 @@ import shapely
 from ..arrays import Array
 from ..checks import finite_array
 from ..geometry.units import note_large
-from .region import even_odd
+from .region import even_odd, nearest, segments
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,21 +63,13 @@ class Section:
         if not self.white:
             raise ValueError("thickness: the section has no white surface; give it one.")
         found, tissue = [], even_odd(list(self.pial))
+        outer, inner = segments(self.pial), segments(self.white)
         shapely.prepare(tissue)
         for loop in self.pial:
-            below = _nearest(loop, self.white)
-            back = _nearest(below, self.pial)
+            below = nearest(loop, inner)
+            back = nearest(below, outer)
             depth = 0.5 * (np.hypot(*(loop - below)) + np.hypot(*(below - back)))
             for share in (0.25, 0.5, 0.75):
                 depth[~shapely.contains_xy(tissue, *(loop + share * (below - loop)))] = np.nan
             found.append(depth)
         return tuple(found)
-
-
-def _nearest(points: Array, loops: Sequence[Array]) -> Array:
-    """Return the place on closed curves nearest to each point, both (2, n)."""
-    ends = [np.stack([loop, np.roll(loop, -1, axis=1)], axis=-1) for loop in loops]
-    segments = shapely.linestrings(np.concatenate(ends, axis=1).transpose(1, 2, 0))
-    given = shapely.points(points.T)
-    near = segments[shapely.STRtree(segments).nearest(given)]
-    return np.asarray(shapely.get_coordinates(shapely.shortest_line(given, near))[1::2].T, dtype=float)
