@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import shapely
 from scipy.spatial import cKDTree
 from skfem import MeshTri2
 
@@ -21,6 +20,7 @@ from .domain import Given, Thickness, domain
 from .frame import RESOLUTION, Size
 from .loops import closed_loops, large_enough, placed_bases
 from .mesh import meshed
+from .region import nearest, segments
 from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface
 from .section import Section
 
@@ -228,9 +228,8 @@ def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] |
 
 def _median_depth(loops: list[Array], white: list[Array]) -> float:
     """Return the median distance of points of the white surface from the pial one; m."""
-    edge = shapely.union_all([shapely.linearrings(loop.T) for loop in loops])
-    shapely.prepare(edge)
-    return float(np.median(shapely.distance(shapely.points(np.concatenate(white, axis=1).T), edge)))
+    at = np.concatenate(white, axis=1)
+    return float(np.median(np.hypot(*(at - nearest(at, segments(loops))))))
 
 
 def _own_depth(loops: list[Array], white: list[Array]) -> float:

@@ -222,7 +222,7 @@ def _changes(
     filled = [one for one in hollows(delivered) if made.area.contains(one)]
     gone, walls = shapely.union_all([*dropped, *filled]), touching(delivered, inset, ROUND_OFF * made.size)
     at = np.concatenate(given.pial, axis=1)
-    at = at[:, shapely.distance(gone.buffer(ROUND_OFF * made.size), shapely.points(at.T)) != 0]
+    at = at[:, ~shapely.intersects_xy(gone.buffer(ROUND_OFF * made.size), *at)]
     away, beside = moved(at, made.area, walls, 0.5 * made.size)
     return Changes(
         moved=away,

@@ -13,7 +13,7 @@ import shapely
 from scipy.spatial import Delaunay, cKDTree
 
 from ..arrays import Array, Booleans, Integers
-from .frame import RESOLUTION, Frame, Side, Size, kept, missing, split
+from .frame import RESOLUTION, Frame, Side, Size, kept, missing, split, within
 
 ROUNDS = 60
 RELAXATIONS = 4
@@ -22,7 +22,6 @@ WORST = 21.0  # degrees: below, edges of the frame are split
 SHORTEST = 0.05  # share of the asked size below which edges of the frame are not split
 NEAREST = 4  # nodes of the frame that bound the edge length at a point
 FLAT = 1e-6  # height of a triangle over its length below which its corners are on one line
-CHUNK = 4096  # points whose neighbours are looked for at once
 SLACK = 1.2  # edges may be this much longer than those of the frame beside them
 
 
@@ -144,29 +143,15 @@ def _missing_points(found: Frame, points: Array, triangles: Integers, size: Size
 
 
 def _too_near(points: Array, apart: Array) -> Integers:
-    """Return the pairs of points (2, n) nearer to each other than `apart` (n,) of both, in order; (2, m).
-
-    Each is asked for those within its own distance: within the largest one there are far too many.
-    """
-    tree, pairs = cKDTree(points.T), [np.zeros((2, 0), dtype=np.int64)]
-    for begin in range(0, len(apart), CHUNK):
-        own = np.arange(begin, min(begin + CHUNK, len(apart)))
-        found = tree.query_ball_point(points[:, own].T, apart[own] * (1 + 1e-9), return_sorted=True)
-        second = np.concatenate([np.asarray(each, dtype=np.int64) for each in found])
-        first = np.repeat(own, [len(each) for each in found])
-        distance = np.hypot(*(points[:, first] - points[:, second]))
-        near = (first < second) & (distance < np.minimum(apart[first], apart[second]))
-        pairs.append(np.stack([first[near], second[near]]))
-    return np.concatenate(pairs, axis=1)
+    """Return the pairs of points (2, n) nearer to each other than `apart` (n,) of both, in order; (2, m)."""
+    first, second = pairs = within(points, points, apart)
+    distance = np.hypot(*(points[:, first] - points[:, second]))
+    return pairs[:, (first < second) & (distance < apart[second])]
 
 
 def _outside_circles(found: Frame, free: Array) -> Array:
     """Return the points outside the circles around edges of the frame; inside, they would hide them."""
-    if not free.shape[1]:
-        return free
-    middle = 0.5 * (found.points[:, found.edges[0]] + found.points[:, found.edges[1]])
-    near = cKDTree(free.T).query_ball_point(middle.T, 0.525 * found.lengths)
-    return np.delete(free, np.unique(np.concatenate([np.asarray(i, dtype=np.int64) for i in near])), axis=1)
+    return np.delete(free, np.unique(within(found.centres, free, 0.525 * found.lengths)[1]), axis=1)
 
 
 def _relaxed(points: Array, triangles: Integers, size: Size) -> Array:

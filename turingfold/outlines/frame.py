@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array, Booleans, Integers
@@ -135,6 +134,11 @@ class Frame:
     middles: Array
 
     @cached_property
+    def centres(self) -> Array:
+        """Of the straight edges, (2, m)."""
+        return np.asarray(0.5 * (self.points[:, self.edges[0]] + self.points[:, self.edges[1]]))
+
+    @cached_property
     def lengths(self) -> Array:
         """Of the edges, (m,)."""
         return np.asarray(np.hypot(*(self.points[:, self.edges[0]] - self.points[:, self.edges[1]])))
@@ -143,7 +147,7 @@ class Frame:
     def domain(self) -> BaseGeometry:
         """What the boundary edges enclose, ready to be asked about points."""
         ends = np.moveaxis(self.points[:, self.edges[:, self.outer]], 0, -1)  # (2, m, 2)
-        area = shapely.build_area(shapely.MultiLineString(list(ends.swapaxes(0, 1))))
+        area = shapely.build_area(shapely.multilinestrings(shapely.linestrings(ends.swapaxes(0, 1))))
         shapely.prepare(area)
         return area
 
@@ -211,12 +215,16 @@ def kept(sides: list[Side], shortest: float, rounds: int = 40) -> tuple[list[Sid
 
 
 def _encroached(found: Frame) -> Booleans:
-    start, end = (found.points[:, ends] for ends in found.edges)
-    middle = 0.5 * (start + end)
-    distance, near = (np.asarray(each) for each in cKDTree(found.points.T).query(middle.T, k=[1, 2, 3]))
-    own = (near[:, :, None] == found.edges.T[:, None, :]).any(2)
-    other = np.where(own, np.inf, distance).min(1)
-    return np.asarray(other < 0.5 * found.lengths * (1 + 1e-9))
+    edge, point = within(found.centres, found.points, 0.5 * found.lengths * (1 + 1e-9))
+    other = (found.edges[:, edge] != point).all(0)
+    return np.bincount(edge[other], minlength=len(found.lengths)) > 0
+
+
+def within(centres: Array, points: Array, radii: Array) -> Integers:
+    """Return the pairs (2, p) of circles, with centres (2, n) and radii (n,), and points (2, m) in them."""
+    tree = shapely.STRtree(shapely.points(points.T))
+    pairs = tree.query(shapely.points(centres.T), predicate="dwithin", distance=radii)
+    return np.asarray(pairs[:, np.lexsort(pairs[::-1])])
 
 
 def missing(found: Frame, triangles: Integers) -> Integers:

@@ -30,12 +30,14 @@ def hollows(area: BaseGeometry) -> list[Polygon]:
     return [Polygon(hole) for one in pieces(area) for hole in one.interiors]
 
 
-def even_odd(loops: list[Array]) -> BaseGeometry:
+def enclosed(loop: Array) -> MultiPolygon:
+    """Return the points that lie inside an odd number of turns of a closed curve (2, n)."""
+    return MultiPolygon(pieces(shapely.make_valid(Polygon(loop.T))))
+
+
+def even_odd(loops: Sequence[Array]) -> BaseGeometry:
     """Return the points that lie inside an odd number of turns of closed curves (2, n)."""
-    return reduce(
-        shapely.symmetric_difference,
-        (MultiPolygon(pieces(shapely.make_valid(Polygon(one.T)))) for one in loops),
-    )
+    return reduce(shapely.symmetric_difference, map(enclosed, loops))
 
 
 def rings(area: BaseGeometry) -> list[Array]:
@@ -142,9 +144,7 @@ def moved(points: Array, area: BaseGeometry, walls: BaseGeometry, near: float) -
 
     First of points farther than `near` from `walls`, then of the others; 0 where there are none.
     """
-    at, edge = shapely.points(points.T), area.boundary
-    shapely.prepare(edge)
-    distance = shapely.distance(edge, at)
+    distance = np.hypot(*(points - nearest(points, segments([ring[:, :-1] for ring in rings(area)]))))
     shapely.prepare(walls)
-    beside = shapely.dwithin(walls, at, near)
+    beside = shapely.dwithin(walls, shapely.points(points.T), near)
     return float(distance[~beside].max(initial=0.0)), float(distance[beside].max(initial=0.0))

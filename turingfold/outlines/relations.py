@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon, Polygon
+from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array
-from .region import even_odd, pieces, segments
+from .region import enclosed, even_odd, pieces, segments
 
 INSIDE = 0.9  # share of the interface's area that lies inside the pial surface
 FILLED = 0.99  # share of the tissue that the interface encloses at most
@@ -23,7 +23,7 @@ def crossing(loops: list[Array]) -> list[str]:
 
     Raises ValueError for a curve that is given twice.
     """
-    areas = [_filled(loop) for loop in loops]
+    areas = [enclosed(loop) for loop in loops]
     notes = [
         f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
         for k, loop in enumerate(loops)
@@ -44,7 +44,7 @@ def crossing(loops: list[Array]) -> list[str]:
 
 def inside(loops: list[Array]) -> list[str]:
     """Return a note on curves that lie inside others, and so enclose a sulcus or an island in one."""
-    tree = shapely.STRtree(areas := [shapely.make_valid(Polygon(loop.T)) for loop in loops])
+    tree = shapely.STRtree(areas := [enclosed(loop) for loop in loops])
     found = {k for k, other in tree.query(areas, predicate="within").T.tolist() if k != other}
     if not found:
         return []
@@ -77,7 +77,7 @@ def refuse_holes(pial: list[Array], holes: list[Array]) -> None:
     """Raise ValueError for a hole that is not mostly inside the pial surface."""
     tissue = even_odd(pial)
     for k, hole in enumerate(holes):
-        area = _filled(hole)
+        area = enclosed(hole)
         share = area.intersection(tissue).area / area.area if area.area else 1.0
         if share < MOSTLY:
             raise ValueError(
@@ -88,14 +88,14 @@ def refuse_holes(pial: list[Array], holes: list[Array]) -> None:
 
 def overlapping(holes: list[Array]) -> list[str]:
     """Return a note on holes that are taken as one."""
-    areas = [_filled(hole) for hole in holes]
+    areas = [enclosed(hole) for hole in holes]
     joined = [f"{a} and {b}" for a, b in _pairs(areas) if _are_one(areas[a], areas[b])]
     return [f"holes {', '.join(joined)} overlap, and are one"] if joined else []
 
 
 def united(holes: list[Array]) -> BaseGeometry:
     """Return what holes enclose: the union of those that overlap; one well inside another is an island."""
-    areas = sorted((_filled(hole) for hole in holes), key=lambda area: -area.area)
+    areas = sorted((enclosed(hole) for hole in holes), key=lambda area: -area.area)
     found = areas[0]
     for k, area in enumerate(areas[1:], start=1):
         around = [one for one in areas[:k] if one.intersects(area) and one.intersection(area).area > 0]
@@ -141,10 +141,6 @@ def crossings(loop: Array, enough: int) -> int:
         if count >= 2 * (enough + 1):  # each is found from both segments
             break
     return count // 2
-
-
-def _filled(loop: Array) -> BaseGeometry:
-    return MultiPolygon(pieces(shapely.make_valid(Polygon(loop.T))))
 
 
 def _pairs(areas: list[BaseGeometry]) -> list[tuple[int, int]]:

@@ -62,7 +62,7 @@ class Section:
         """
         if not self.white:
             raise ValueError("thickness: the section has no white surface; give it one.")
-        found, tissue = [], even_odd(list(self.pial))
+        found, tissue = [], even_odd(self.pial)
         outer, inner = segments(self.pial), segments(self.white)
         shapely.prepare(tissue)
         for loop in self.pial:
