@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+import shapely
 
 from turingfold.geometry.changes import OutlineWarning
 from turingfold.outlines import outline
+from turingfold.outlines.fill import angles
+from turingfold.outlines.relations import overlapping, united
 
 AT = 2 * np.pi * np.arange(160) / 160
 PIAL = np.stack([0.03 * np.cos(AT), 0.022 * np.sin(AT)])  # m
@@ -63,7 +66,7 @@ def test_a_hole_that_is_not_mostly_inside_is_refused_by_name(holes, message):
         (shifted(0.1, x=0.0265), r"1 holes made smaller, from 2\.07e-05 to .*as elements and the cortex"),
         ([shifted(0.2), shifted(0.025, x=-0.015)], r"1 holes too small or thin .* left out, 1\.3e-06 m²"),
         ([shifted(0.2), PIAL * [[0.2], [0.005]] - [[0], [0.01]]], r"1 holes too small or thin .* left out"),
-        ([shifted(0.2), shifted(0.025)], r"1\.3e-06 m² of islands in holes too small"),
+        ([shifted(0.2), shifted(0.025)], r"1\.3e-06 m² of tissue in or between holes too thin"),
     ],
 )
 def test_what_becomes_of_holes_is_told(holes, message):
@@ -78,9 +81,65 @@ def test_holes_that_overlap_are_one():
     common = 0.04 * 0.03 * 0.022 * (angle - np.sin(angle))
     body = outline(PIAL, holes=[0.2 * PIAL, shifted(0.2, x=0.005)], **CORTEX)
     assert tissue(body) == pytest.approx(AREA * (1 - 0.08) + common, rel=2e-3)
-    assert body.changes.notes == ("holes 0 and 1 overlap, and are one",)
+    assert body.changes.notes == ("holes 0 and 1 overlap or touch, and are one",)
     twice = outline(PIAL, holes=[0.2 * PIAL, 0.2 * PIAL], **CORTEX)
     assert tissue(twice) == pytest.approx(AREA * (1 - 0.04), rel=1e-3)
+
+
+def box(left, right, low, high):
+    return np.array([[left, right, right, left], [low, low, high, high]])
+
+
+def test_an_island_that_partly_overlaps_a_hole_is_one_with_it():
+    """10 by 10, less 4 by 4 and the 1 by 2 that the third has beyond it: 100 - 16 - 2."""
+    holes = [box(-5, 5, -5, 5), box(-2, 2, -2, 2), box(0, 3, -1, 1)]
+    for order in ((0, 1, 2), (2, 1, 0), (1, 0, 2)):
+        assert united([holes[k] for k in order]).area == pytest.approx(82)
+    assert overlapping(holes) == ["holes 1 and 2 overlap or touch, and are one"]
+    across = [*holes[:2], box(0, 7, -1, 1)]  # through the wall of the first: all are one
+    assert united(across).area == pytest.approx(104)
+    assert overlapping(across) == ["holes 0 and 2, 1 and 2 overlap or touch, and are one"]
+    assert united([box(0, 1, 0, 1), box(2, 3, 0, 1)]).area == pytest.approx(2)
+
+
+def walls(body):
+    return [shapely.Polygon(body.nodes[:, path.nodes].T) for path in body.boundary_paths("hole")]
+
+
+@pytest.mark.parametrize("elements", [2, 3, 4])
+def test_holes_that_touch_along_a_line_are_one(elements):
+    """Halves of an ellipse, that have its long axis in common."""
+    half = np.concatenate([0.3 * PIAL[:, :81], [np.linspace(-9e-3, 9e-3, 60)[1:-1], np.zeros(58)]], axis=1)
+    body = outline(PIAL, holes=[half, half * [[1], [-1]]], thickness=2.5e-3, elements=elements)
+    assert body.changes.notes == ("holes 0 and 1 overlap or touch, and are one",)
+    assert len(walls(body)) == 1
+    assert tissue(body) == pytest.approx(AREA * (1 - 0.09), rel=1e-3)
+    assert angles(body.mesh.p, body.mesh.t).min() > 20
+
+
+def eight(start):
+    at = 2 * np.pi * (np.arange(200) + start) / 200
+    return np.stack([8e-3 * np.sin(at), 4e-3 * np.sin(2 * at)])
+
+
+@pytest.mark.parametrize("elements", [2, 3, 4])
+@pytest.mark.parametrize(
+    ("holes", "area", "told"),
+    [
+        ([shifted(0.2, x=-6e-3), shifted(0.2, x=6e-3)], 2 * 0.04 * AREA, "joined to 1|made smaller"),
+        # the two lobes: 2 ∫ x dy over half a turn = 2 · 8 · 4 · 4/3 mm²
+        (eight(0.3), 2 * 8e-3 * 4e-3 * 4 / 3, "hole 0 crosses or touches itself"),
+        (eight(0.0), 2 * 8e-3 * 4e-3 * 4 / 3, "hole 0 crosses or touches itself"),
+    ],
+)
+def test_holes_that_touch_at_a_point_are_joined_or_moved_apart_with_a_word(holes, area, told, elements):
+    with pytest.warns(OutlineWarning, match=told):
+        body = outline(PIAL, holes=holes, thickness=2.5e-3, elements=elements)
+    assert tissue(body) == pytest.approx(AREA - area, rel=2e-3)
+    assert angles(body.mesh.p, body.mesh.t).min() > 20
+    first, *others = walls(body)
+    assert all(first.distance(other) > 0.2 * 2.5e-3 / elements for other in others)
+    assert min(shapely.minimum_clearance(wall) for wall in (first, *others)) > 0.1 * 2.5e-3 / elements
 
 
 def test_a_curve_well_inside_a_hole_is_an_island_in_it():

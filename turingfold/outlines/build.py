@@ -21,7 +21,7 @@ from .frame import RESOLUTION, Size
 from .loops import closed_loops, large_enough, placed_bases
 from .mesh import meshed
 from .region import nearest, segments
-from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface
+from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface, tangled
 from .section import Section
 
 HOLES = ("free", "clamped")
@@ -155,7 +155,7 @@ def _given(
     loops = followed("points", loops)
     white = None if white is None else followed("interface", white)
     holes = followed("holes", holes) if holes else []
-    doubts = [*doubts, *crossing(loops), *inside(loops)]
+    doubts = [*doubts, *crossing(loops), *inside(loops), *tangled("hole {}", holes)]
     bases = placed_bases(loops, base_ends, least[0])
     return Given(loops, bases, white, holes, tuple(notes), tuple(doubts), steps=least[1] > 0)
 

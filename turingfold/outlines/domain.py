@@ -20,7 +20,6 @@ from .region import (
     hollows,
     large,
     moved,
-    opened,
     pieces,
     smoothed,
     tapered,
@@ -150,7 +149,7 @@ def domain(
         walls = traced(given.holes, step, smooth)
         deep = below(area, pial, 2 * size).difference(bases.buffer(size))
         asked = united(walls.polygons)
-        holes = large(opened(asked.intersection(deep), 0.25 * size), size**2)
+        holes = large(smoothed(asked.intersection(deep), size, 0.5 * size), size**2)
         told = of_holes(asked if given.steps else united(given.holes), measured, holes, unit)
         white = large(white.union(holes.buffer(size)).intersection(below(area, pial, least)), size**2)
     if white.is_empty:

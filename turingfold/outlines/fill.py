@@ -27,13 +27,14 @@ SLACK = 1.2  # edges may be this much longer than those of the frame beside them
 
 def fill(
     sides: list[Side], size: Size, white: Callable[[Array], Booleans], grading: float
-) -> tuple[Frame, Array, Integers]:
+) -> tuple[Frame, Array, Integers, Integers]:
     """Return the frame, points (2, n), the frame's first, and counter-clockwise triangles (3, e) inside.
+
+    At last the edges of the frame that no triangle has: none unless lines cross.
 
     size: edge length asked for at points; where `white` tells that they are in white matter it grows by
     grading × distance from the frame. It is bounded by 1.2 × edge + grading × distance of the nearest nodes
     of the frame. Beside triangles with an angle below 21 degrees edges of the frame are split.
-    Raises ValueError if an edge of the frame cannot be kept.
     """
     shortest = SHORTEST * float(min(size(one.line).min() for one in sides))
     best, result = -np.inf, None
@@ -47,7 +48,7 @@ def fill(
             gone, smallest = missing(found, triangles), angles(points, triangles)
             worst = -1.0 if len(gone) else min(WORST, float(smallest.min()))
             if worst >= best:
-                best, result = worst, (found, points, triangles)
+                best, result = worst, (found, points, triangles, gone)
         if best == WORST:
             break
         beside = np.flatnonzero(np.isin(found.edges, triangles[:, smallest < WORST]).any(axis=0))
@@ -57,12 +58,6 @@ def fill(
             break
         sides = split(sides, found, again)
     assert result is not None
-    if best < 0:
-        x, y = found.points[:, found.edges[:, gone[0]]].mean(1)
-        raise ValueError(
-            f"the mesh loses {len(gone)} edges of boundary or interface, first near ({x:.4g}, {y:.4g}), "
-            "where two lines come closer than the element size; use smaller elements (size=...)."
-        )
     return result
 
 

@@ -17,6 +17,7 @@ from .frame import Frame, Side, Size, side
 from .region import rings
 
 AWAY = 1e-3  # of the size: lines that end nearer than this to a base end on it, or at its tip
+LINES = {"pial": "the pial surface", "base": "a base", "interface": "the interface", "hole": "holes"}
 BULGE = 0.1  # largest share of its length by which an edge is curved
 
 
@@ -25,6 +26,7 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
 
     finest: edge length asked for in the cortex; in white matter it grows by `grading` × distance.
     Boundaries are named "pial", "base" and "hole", the gray triangles "cortex".
+    Raises ValueError if lines cross or touch, so that an edge of them cannot be kept.
     """
     tree = cKDTree(shapely.get_coordinates(shapely.segmentize(made.white.boundary, 0.5 * made.size)))
     shapely.prepare(made.white)
@@ -35,7 +37,14 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
     def along(at: Array) -> Array:
         return np.asarray(finest(at) + grading * np.where(white(at), tree.query(at.T)[0], 0.0))
 
-    found, points, triangles = fill(_sides(made, along), finest, white, grading)
+    found, points, triangles, gone = fill(_sides(made, along), finest, white, grading)
+    if len(gone):
+        x, y = (centre[:, 0] + unit * found.points[:, found.edges[:, gone[0]]].mean(1)).tolist()
+        kinds = " and ".join(sorted({LINES[found.kinds[k]] for k in found.side[gone]}))
+        raise ValueError(
+            f"the mesh cannot keep {len(gone)} edges of {kinds}, first near ({x:.4g}, {y:.4g}) m, where "
+            "lines cross or touch; move these curves apart by an element, or leave one out."
+        )
     smallest = float(angles(points, triangles).min())
     exact = np.concatenate([found.exact, points[:, found.points.shape[1] :]], axis=1)
     inside, middles = white(points[:, triangles].mean(1)), centre + unit * found.middles

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 import shapely
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -23,12 +27,7 @@ def crossing(loops: list[Array]) -> list[str]:
 
     Raises ValueError for a curve that is given twice.
     """
-    areas = [enclosed(loop) for loop in loops]
-    notes = [
-        f"curve {k} of the pial surface crosses or touches itself, and was taken apart there"
-        for k, loop in enumerate(loops)
-        if not Polygon(loop.T).is_valid
-    ]
+    areas, notes = [enclosed(loop) for loop in loops], tangled("curve {} of the pial surface", loops)
     for first, second in _pairs(areas):
         a, b = areas[first], areas[second]
         common, smaller = a.intersection(b).area, min(a.area, b.area)
@@ -40,6 +39,15 @@ def crossing(loops: list[Array]) -> list[str]:
                 f"{common:.3g} m², counts as outside"
             )
     return notes
+
+
+def tangled(name: str, loops: list[Array]) -> list[str]:
+    """Return a note on each curve that crosses itself; name: "hole {}", with the number in it."""
+    return [
+        f"{name.format(k)} crosses or touches itself, and was taken apart there"
+        for k, loop in enumerate(loops)
+        if not Polygon(loop.T).is_valid
+    ]
 
 
 def inside(loops: list[Array]) -> list[str]:
@@ -88,20 +96,18 @@ def refuse_holes(pial: list[Array], holes: list[Array]) -> None:
 
 def overlapping(holes: list[Array]) -> list[str]:
     """Return a note on holes that are taken as one."""
-    areas = [enclosed(hole) for hole in holes]
-    joined = [f"{a} and {b}" for a, b in _pairs(areas) if _are_one(areas[a], areas[b])]
-    return [f"holes {', '.join(joined)} overlap, and are one"] if joined else []
+    joined = [f"{a} and {b}" for a, b in _joined([enclosed(hole) for hole in holes])]
+    return [f"holes {', '.join(joined)} overlap or touch, and are one"] if joined else []
 
 
 def united(holes: list[Array]) -> BaseGeometry:
-    """Return what holes enclose: the union of those that overlap; one well inside another is an island."""
-    areas = sorted((enclosed(hole) for hole in holes), key=lambda area: -area.area)
-    found = areas[0]
-    for k, area in enumerate(areas[1:], start=1):
-        around = [one for one in areas[:k] if one.intersects(area) and one.intersection(area).area > 0]
-        joined = any(_are_one(one, area) for one in around) or not around
-        found = found.union(area) if joined else found.symmetric_difference(area)
-    return found
+    """Return what holes enclose: those that are one united; one well inside another is an island in it."""
+    areas = [enclosed(hole) for hole in holes]
+    first, second = np.reshape(_joined(areas), (-1, 2)).T
+    links = coo_matrix((np.ones(len(first)), (first, second)), shape=(len(areas), len(areas)))
+    count, number = connected_components(links, directed=False)
+    ones = [shapely.union_all([areas[k] for k in np.flatnonzero(number == one)]) for one in range(count)]
+    return reduce(shapely.symmetric_difference, ones)
 
 
 def of_holes(asked: BaseGeometry, tissue: BaseGeometry, made: BaseGeometry, unit: float) -> list[str]:
@@ -125,7 +131,9 @@ def of_holes(asked: BaseGeometry, tissue: BaseGeometry, made: BaseGeometry, unit
             f"{m2 * left[less].sum():.3g} m², as elements and the cortex around need"
         )
     if (more := made.difference(asked).area) > CHANGED * asked.area:
-        notes.append(f"{m2 * more:.2g} m² of islands in holes too small for the elements left out")
+        notes.append(f"{m2 * more:.2g} m² of tissue in or between holes too thin for the elements left out")
+    if joined := sum(sum(one.intersection(each).area > 0 for each in whole) > 1 for one in pieces(made)):
+        notes.append(f"holes nearer to each other than elements need joined to {joined}")
     if gone.any():
         notes.append(
             f"{gone.sum()} holes too small or thin for the elements left out, {m2 * area[gone].sum():.2g} m²"
@@ -149,7 +157,13 @@ def _pairs(areas: list[BaseGeometry]) -> list[tuple[int, int]]:
     return sorted((a, b) for a, b in found if a < b)
 
 
-def _are_one(first: BaseGeometry, second: BaseGeometry) -> bool:
-    """Return whether two holes overlap and neither lies well inside the other."""
-    common, both = first.intersection(second).area, first.union(second).area
-    return bool(common > SAME * both or SLIGHT * both < common < (1 - SLIGHT) * min(first.area, second.area))
+def _joined(areas: list[BaseGeometry]) -> list[tuple[int, int]]:
+    """Return the numbers of holes that overlap or touch along a line, neither well inside the other."""
+    found = []
+    for first, second in _pairs(areas):
+        a, b = areas[first], areas[second]
+        common, both = a.intersection(b).area, a.union(b)
+        well_inside = common >= (1 - SLIGHT) * min(a.area, b.area)
+        if common > SAME * both.area or (not well_inside and len(pieces(both)) == 1):
+            found.append((first, second))
+    return found
