@@ -12,7 +12,18 @@ import numpy as np
 import pytest
 from small import elastic_scene
 
-from turingfold import Result, load, semicircle, simulate
+from turingfold import (
+    Elastic,
+    NeoHookean,
+    Result,
+    Scene,
+    Stepping,
+    TangentialGrowth,
+    load,
+    outline,
+    semicircle,
+    simulate,
+)  # fmt: skip
 from turingfold.cli.main import main
 from turingfold.cli.summary import told
 
@@ -461,6 +472,71 @@ def test_compare_reads_outlines(tmp_path, capsys):
     assert "landmark right: at 0.000 and 0.000 of the arcs" in told
     assert told.count("best circle 1.000") == 3  # the plain outline is one
     assert main(["compare", *names[:2], "--landmarks", names[0]]) == 2
+
+
+def table(file, curves):
+    file.write_text(
+        "x,y\n" + "\n\n".join("\n".join(f"{x},{y}" for x, y in curve.T.tolist()) for curve in curves)
+    )
+
+
+def test_compare_takes_one_of_several_curves_by_its_number_or_name(tmp_path, capsys):
+    """Circles of radius 1 and 2: their lengths are 2π and 4π m."""
+    angle = 2 * np.pi * np.arange(90) / 90
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    table(tmp_path / "two.csv", [circle, 2 * circle + 5])
+    two, one = str(tmp_path / "two.csv"), str(tmp_path / "one.csv")
+    table(tmp_path / "one.csv", [circle])
+    assert main(["compare", two, one]) == 2
+    said = unwrapped(capsys)
+    assert "of 2 curves: 0 (6.28 long), 1 (12.6 long); choose one, as by --curve-a 0" in said
+    assert main(["compare", one, two, "--curve-b", "2"]) == 2
+    assert "--curve-b 2: there is none in" in unwrapped(capsys)
+    assert main(["compare", one, two, "--curve-b", "1"]) == 0
+    (length,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("length, m")]
+    assert [float(word) for word in length.split()[2:]] == pytest.approx(
+        [2 * np.pi, 4 * np.pi, 2.0], rel=2e-3
+    )
+    drawing = tmp_path / "two.svg"
+    shapes = "".join(f'<circle id="{name}" r="{r}"/>' for name, r in (("inner", 1), ("outer", 2)))
+    drawing.write_text(f'<svg xmlns="http://www.w3.org/2000/svg">{shapes}</svg>')
+    assert main(["compare", one, str(drawing), "--curve-b", "outer"]) == 0
+    (length,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("length, m")]
+    assert float(length.split()[-1]) == pytest.approx(2.0, rel=2e-3)
+
+
+def test_compare_takes_one_of_several_parts_of_a_result(tmp_path, capsys):
+    """A disc with a closed-off sulcus, which runs clockwise, beside a smaller disc; all hardly grown."""
+    angle = 2 * np.pi * np.arange(90) / 90
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    with pytest.warns(UserWarning, match="lies inside another"):
+        body = outline([circle, 0.4 * circle, 0.7 * circle + 3], thickness=0.1, size=0.1)
+    solid = Elastic(gray=NeoHookean(mu=1.0, kappa=5.0))
+    steps = Stepping(first=1.0, largest=1.0)
+    scene = Scene(body=body, terms=(solid,), processes=(TangentialGrowth(cortex=1.0001),), stepping=steps)
+    simulate(scene, out=tmp_path / "parts")
+    parts = str(tmp_path / "parts")
+    assert main(["compare", parts, parts]) == 2
+    assert "of 3 curves: 0 (6.28 long), 1 (4.4 long), 2 (2.51 long); choose one" in unwrapped(capsys)
+    assert main(["compare", parts, parts, "--curve-a", "1", "--curve-b", "2"]) == 0
+    (length,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("length, m")]
+    assert [float(word) for word in length.split()[2:]] == pytest.approx(
+        [1.4 * np.pi, 0.8 * np.pi, 0.8 / 1.4], rel=2e-3
+    )
+
+
+def test_compare_reads_landmarks_in_the_unit_of_their_header(tmp_path, capsys):
+    angle = 2 * np.pi * np.arange(80) / 80
+    circle = 0.03 * np.stack([np.cos(angle), np.sin(angle)])
+    table(tmp_path / "disc.csv", [circle])
+    words = ["compare", *2 * [str(tmp_path / "disc.csv")], "--landmarks", str(tmp_path / "marks.csv")]
+    row = "name,x_a{0},y_a{0},x_b{0},y_b{0}\ntop,0,30,-30,0\n"
+    (tmp_path / "marks.csv").write_text(row.format(" (mm)"))
+    assert main(words) == 0
+    assert "landmark top: at 0.250 and 0.500 of the arcs" in capsys.readouterr().out
+    (tmp_path / "marks.csv").write_text(row.format(""))
+    assert main(words) == 2
+    assert "in its unit" in unwrapped(capsys)
 
 
 def test_a_case_may_import_a_file_beside_it(tmp_path, monkeypatch, capsys):

@@ -373,13 +373,27 @@ def test_landmarks_are_read_and_told(tmp_path):
     assert "landmark second: at 0.500 and 0.51" in both.text()
 
 
+@pytest.mark.parametrize("unit", [" (mm)", " [mm]", "_mm", "/mm", " (cm)"])
+def test_the_header_of_landmarks_may_state_their_unit(tmp_path, unit):
+    a, b = flower(6, 0.2, 600), moved(flower(6, 0.2, 900), 0.0, 2.0)  # m
+    per_m = 100 if "cm" in unit else 1000
+    file = tmp_path / "marks.csv"
+    header = ",".join(["name", *(f"{name}{unit}" for name in ("x_a", "y_a", "x_b", "y_b"))])
+    places = ",".join(repr(per_m * float(x)) for x in (*a[:, 100], *b[:, 150]))
+    file.write_text(f"{header}\nfirst,{places}\n")
+    np.testing.assert_array_equal(read_landmarks(file, a, b).indices, [[100, 150]])
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (LANDMARKS.replace("x_b", "x_b (ell)"), "column x_a has no unit, others have one; give all four"),
+        ("name,x_a (mm),y_a (mm),x_b (ell),y_b (mm)\n", "column x_b has unit 'ell'; give all four one of m"),
+        ("name,x_a,y_a,x_b,y_b,z_b\n", "first line is 'name,x_a,y_a,x_b,y_b,z_b'"),
         ("name;x_a\n", "first line is 'name;x_a'; it must be 'name,x_a,y_a,x_b,y_b'"),
         (LANDMARKS, "has no landmarks"),
         (LANDMARKS + "one,1,0,1,0\none,0,1,0,1\n", "line 2: the name 'one' must be there, and only once"),
-        (LANDMARKS + "one,1,0,1\n", r"line 2: x_b, y_b are \('1', None\); they must be two numbers"),
+        (LANDMARKS + "one,1,0,1\n", r"line 2: x_b, y_b are \('1', ''\); give two numbers"),
         (LANDMARKS + "one,1,0,nan,0\n", "line 2: x_b, y_b are nan from the nearest"),
         (LANDMARKS + "one,1000,0,1,0\n", "x_a, y_a are 999 from the nearest point of curve a.*in its unit"),
     ],

@@ -184,7 +184,8 @@ def _compare(options: argparse.Namespace) -> Answer:
     from .tools import compare
 
     known = named_parts(options.parts)
-    return compare(options.a, options.b, options.figure, options.landmarks, known=known)
+    curves = options.curve_a, options.curve_b
+    return compare(options.a, options.b, options.figure, options.landmarks, curves=curves, known=known)
 
 
 def _doctor(options: argparse.Namespace) -> Answer:

@@ -12,7 +12,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..figures.style import mark_unfinished
-from ..geometry.units import metres
 from ..morphometry.landmarks import LandmarkTable
 from ..results.document import stored
 from ..results.folder import check_folder
@@ -207,7 +206,7 @@ def outline(path: Path, unit: str | None, known: tuple[Any, ...]) -> Array:
 
 def _landmarks(path: Path, unit: str | None) -> list[tuple[Any, Any]]:
     """Return landmarks as `fit` takes them: places on the undeformed surface and points, m."""
-    places = LandmarkTable.read(path).places * metres(unit or "m")
+    places = LandmarkTable.read(path, unit).places
     return [(tuple(place), tuple(point)) for place, point in places.tolist()]
 
 

@@ -211,7 +211,14 @@ def _add_results(commands: Commands, common: argparse.ArgumentParser) -> None:
     )
     compare.add_argument("a", type=Path, metavar="A", help="folder of a result, or an outline (CSV, SVG)")
     compare.add_argument("b", type=Path, metavar="B", help="another one")
-    compare.add_argument("--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b")
+    compare.add_argument(
+        "--landmarks", type=Path, metavar="FILE", help="CSV: name, x_a, y_a, x_b, y_b, such as x_a (mm)"
+    )
+    for own in "ab":
+        compare.add_argument(
+            f"--curve-{own}", metavar="CURVE",
+            help=f"which of several curves of {own.upper()}: its number, or its name in a drawing",
+        )  # fmt: skip
     compare.add_argument("--figure", type=figure, metavar="FILE", help="draw one on the other")
     _add_parts(compare)
     compare.set_defaults(command="compare")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -80,10 +80,12 @@ def _pictured(file: Path | None, draw: Callable[[Axes], object]) -> dict[str, li
 
 
 def compare(
-    a: Path, b: Path, figure: Path | None, landmarks: Path | None = None, *, known: tuple[Any, ...] = ()
-) -> Answer:
+    a: Path, b: Path, figure: Path | None, landmarks: Path | None = None, *,
+    curves: tuple[str | None, str | None] = (None, None), known: tuple[Any, ...] = (),
+) -> Answer:  # fmt: skip
     """Print the morphometry of two results or outlines as a table; draw one on the other on request.
 
+    curves: which to take where there are several, by number or name.
     Lengths are in mm where both are no longer than brains in m.
     """
     from ..morphometry.compare import compare as compared
@@ -92,7 +94,10 @@ def compare(
     from ..results.units import BRAIN
 
     names = (a.name, b.name) if a.name != b.name else (str(a), str(b))
-    (one, start_a, thickness_a), (other, start_b, thickness_b) = (_curve(path, known) for path in (a, b))
+    (one, start_a, thickness_a), (other, start_b, thickness_b) = (
+        _curve(path, f"--curve-{own}", which, known)
+        for path, own, which in zip((a, b), "ab", curves, strict=True)
+    )
     given = {thickness_a, thickness_b} - {None}
     thickness = given.pop() if len(given) == 1 else None
     longest = max(np.ptp(curve, axis=1).max() for curve in (one, other))
@@ -122,16 +127,46 @@ def compare(
     return Answer(0, facts | _pictured(figure, draw))
 
 
-def _curve(path: Path, known: tuple[Any, ...]) -> tuple[Array, Array | None, float | None]:
-    """Return the pial surface of a result with its start and thickness, or the outline in a file without."""
+def _curve(
+    path: Path, option: str, which: str | None, known: tuple[Any, ...]
+) -> tuple[Array, Array | None, float | None]:
+    """Return the pial surface of a result with its start and thickness, or the outline in a file without.
+
+    which: of several curves, by number or name; the option that takes it is named where it is missing.
+    """
     if path.is_file():
         from ..readers.read import read_outline
 
-        return read_outline(path).single(), None, None
+        read = read_outline(path)
+        return read.loops[_chosen(path, option, which, read.loops, read.names)], None, None
     from ..results.loading import load
+    from ..results.surface import facing
 
     result = load(scene_folder(path), known=known)
-    return result.pial(), result.pial(0), result.scene.body.thickness
+    body = result.scene.body
+    if len(body.pial_paths) == 1 and which is None:
+        return result.pial(), result.pial(0), body.thickness
+    ends = result.pial_parts()
+    k = _chosen(path, option, which, ends, [""] * len(ends))
+    return facing(ends[k]), facing(result.pial_parts(0)[k]), body.thickness
+
+
+def _chosen(path: Path, option: str, which: str | None, curves: Sequence[Array], names: Sequence[str]) -> int:
+    """Return the number of the curve that is asked for, or of the only one; else ValueError."""
+    known = {str(k): k for k in range(len(curves))} | {name: k for k, name in enumerate(names) if name}
+    if which is None and len(curves) == 1:
+        return 0
+    if which is None or which not in known:
+        from ..morphometry.polyline import perimeter
+
+        each = [
+            f"{k} ({f'{name}, ' if name else ''}{perimeter(curve, closed=True):.3g} long)"
+            for k, (curve, name) in enumerate(zip(curves, names, strict=True))
+        ]
+        shown = ", ".join(each[:8]) + (", ..." if len(each) > 8 else "")
+        wrong = f"{option} {which}: there is none in" if which is not None else "one is wanted of"
+        raise ValueError(f"{wrong} {path}, of {len(curves)} curves: {shown}; choose one, as by {option} 0.")
+    return known[which]
 
 
 def scene_folder(path: Path) -> Path:

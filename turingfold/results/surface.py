@@ -15,7 +15,12 @@ def along_pial(body: Body, values: Array) -> Array:
     The body is on the left of the points. Where they run clockwise it lies outside: they are an `InnerWall`.
     """
     found = _completed(body, values)
-    return found.view(InnerWall) if found.ndim == 2 and enclosed_area(found) < 0 else found
+    return facing(found) if found.ndim == 2 else found
+
+
+def facing(points: Array) -> Array:
+    """Return points (2, n) with the body on their left, as an `InnerWall` where they run clockwise."""
+    return points.view(InnerWall) if enclosed_area(points) < 0 else points
 
 
 def _completed(body: Body, values: Array) -> Array:
