@@ -174,12 +174,72 @@ def test_shapes_are_where_one_sees_them(tmp_path, body, box):
         ("<circle r='-2'/>", "circle: r='-2' is negative"),
         ("<use href='b.svg#x'/>", "use shows 'b.svg#x', which is not in this file"),
         ("<g id='g'><use href='#g'/></g>", "use shows itself"),
+        (
+            "<clipPath id='c'/><circle id='b' r='2' clip-path='url(#c)'/>",
+            r"circle b has clip-path='url\(#c\)'.*Cut the shape itself",
+        ),
+        ("<g id='g' style='mask: url(#m)'><g><circle r='2'/></g></g>", r"g g has mask='url\(#m\)'"),
+        (
+            "<style>.in { clip-path: circle(1px) }</style><rect class='in' width='2' height='2'/>",
+            "rect has clip",
+        ),
         ("<foreignObject><svg><path d='M0 0'/></svg></foreignObject>", "foreignObject holds shapes"),
     ],
 )
 def test_what_cannot_be_placed_is_refused_by_name(tmp_path, body, message):
     with pytest.raises(ValueError, match=message):
         read_outline(drawing(tmp_path, body + SEVEN))
+
+
+def test_only_shapes_that_are_asked_for_must_be_whole(tmp_path):
+    body = '<circle id="a" r="9" clip-path="url(#c)"/><rect id="b" width="7" height="7" mask="none"/>'
+    assert abs(area(read_outline(drawing(tmp_path, body), name="b").single())) == pytest.approx(49)
+
+
+CORNERS = np.array([[10, 20, 20, 15, 15, 10], [10, 10, 20, 25, 40, 40]])
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<path d="M 10 10 L 20 10 L 20 20 L 15 25 V 40. H 10 Z"/>',
+        '<path d="M 10. 10. L 20. 10. L 2.e1 20 L 15 25 L 15,4.e+1,10. 40. Z"/>',
+        '<path d="m10 10 10 0 0 10-5. 5.v15.h-5z"/>',
+        '<polygon points="10,10 20,10 20,20 15,25 15,40.,10,40"/>',
+        '<polygon points="1.e1,10. 20.,10,20 20 15,25. 15,4.e1 10,40"/>',
+    ],
+)
+def test_numbers_that_end_in_a_point_are_read(tmp_path, shape):
+    """SVG 1.1 allows "40." and "4.e1"; the corners are those that the same numbers without the point give."""
+    found = 1e3 * read_outline(drawing(tmp_path, shape), unit=1e-3).single()
+    assert found[:, :6] == pytest.approx(CORNERS * [[1], [-1]])
+    assert abs(area(found)) == pytest.approx(212.5)
+
+
+@pytest.mark.parametrize(
+    ("curves", "out"),
+    [
+        ("q 5 5 10 0 s 10 -5 10 0", 15 - 50 / 3),
+        ("q 5 5 10 0 S 30 5 30 10", 15 - 50 / 3),
+        ("t 10 0 s 10 -5 10 0", 15),
+        ("c 0 5 10 5 10 0 t 10 0", -30),
+        ("h 10 t 10 0", 0),
+        ("c 0 5 10 5 10 0 s 10 -5 10 0", 0),
+        ("q 5 5 10 0 t 10 0", 0),
+        ("q 5 5 10 0 T 30 10", 0),
+        ("l 10 0 q 5 5 10 0", -50 / 3),
+        ("a 5. 5 0 0110 0 t 10 0", 12.5 * np.pi),
+    ],
+)
+def test_only_a_curve_of_its_kind_gives_a_smooth_one_its_control_point(tmp_path, curves, out):
+    """By hand, from SVG 2, 9.3.6: else the first control point of S and T is where they begin.
+
+    y dx of q 5 5 10 0 is 2/3 of the triangle of its points, 50/3; of c 0 5 10 5 10 0 30; of c 0 0 10 -5 10 0
+    15 the other way; reflected curves undo the one before. The rest of the shape is a square of 20 by 20.
+    """
+    file = drawing(tmp_path, f'<path d="M 10 10 {curves} v 20 h -20 z"/>')
+    found = 1e3 * read_outline(file, unit=1e-3, samples=400).single()
+    assert abs(area(found)) == pytest.approx(400 + out, abs=1e-3)
 
 
 @pytest.mark.parametrize(

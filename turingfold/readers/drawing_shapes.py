@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 import svgelements as svg
 
-from .drawing_style import Rule, declared, kind_of, rules_of
+from .drawing_style import CUTS, Rule, declared, kind_of, rules_of
 from .drawing_view import View, box_of, fitted, outermost, transform_of
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -20,12 +20,13 @@ LANGUAGE = "en"  # of which the branch of a switch is shown
 
 @dataclass(frozen=True)
 class Place:
-    """Where an element is: matrix, viewport, the names round it, and the `use` elements."""
+    """Where an element is: matrix, viewport, the names round it, what cuts it, and the `use` elements."""
 
     matrix: svg.Matrix
     view: View
     words: tuple[str, ...] = ()
     visible: bool = True
+    cut: str = ""
     users: tuple[Element, ...] = ()
 
 
@@ -120,11 +121,13 @@ def _inside(given: Mapping[str, str], place: Place, where: str) -> Place:
     """Return the place of what is in an element: after its transform, with its names, visible or not."""
     words = tuple(word for word in (given.get("id"), given.get(LABEL)) if word)
     visibility = given.get("visibility", "inherit").strip().lower()
+    cuts = [name for name in CUTS if given.get(name, "none").strip().lower() not in ("none", "")]
     return replace(
         place,
         matrix=transform_of(given, place.view, where) * place.matrix,
         words=place.words + words,
         visible=place.visible if visibility == "inherit" else visibility == "visible",
+        cut=f"{where} has {cuts[0]}={given[cuts[0]]!r}" if cuts else place.cut,
     )
 
 
