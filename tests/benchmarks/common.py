@@ -1,14 +1,24 @@
-"""What the benchmarks share: the growth path of document 1's semi-circle, and the unit of cost."""
+"""What the benchmarks share: paths for peers to follow, and the unit of cost."""
 
+import runpy
 from argparse import ArgumentParser
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 from time import process_time
 
 import numpy as np
 
-from turingfold import Elastic, NeoHookean, Scene, Stepping, TangentialGrowth, semicircle, simulate
+from turingfold import (
+    Elastic,
+    NeoHookean,
+    Scene,
+    SelfContact,
+    Stepping,
+    TangentialGrowth,
+    semicircle,
+    simulate,
+)
 from turingfold.geometry.body import Body
 from turingfold.parts import TimeStep
 from turingfold.results.result import Result
@@ -55,6 +65,51 @@ def growth_path(body: Body) -> Scene:
 def brain(elements: float) -> Body:
     """Return the semi-circle with a clamped base and so many elements through its cortex."""
     return semicircle(radius=RADIUS, thickness=THICKNESS, size=THICKNESS / elements)
+
+
+@dataclass(frozen=True)
+class Step:
+    """What acts in a step, and how near to equilibrium its end is.
+
+    growth: factors along tangent, normal and z, (3, q, e).  load: nodal forces, (2 n_nodes,).  force: norm of
+    the nodal forces that are left.
+    """
+
+    growth: np.ndarray
+    load: np.ndarray
+    force: float
+
+
+def before_touching(elements: float) -> Scene:
+    """Return Figure 3 without contact, until the last of its steps in which no walls push on each other."""
+    scenes = runpy.run_path(str(CASES / "figure3.py"))["scenes"]
+    (scene,) = scenes(elements=elements).values()
+    contact = next(term for term in scene.terms if isinstance(term, SelfContact))
+    operator, last = contact.on(scene.body), 0.0
+    for state in simulate(replace(scene, until=0.6 * scene.until)).states[1:]:
+        pushing = operator.during(state, TimeStep(scene.until)).evaluate(state["displacement"].T.ravel())
+        if pushing.has_hessian:
+            break
+        last = state.time
+    share = scene.stepping.largest * scene.until / last  # steps as long as before
+    terms = tuple(term for term in scene.terms if term is not contact)
+    stepping = Stepping(first=share, largest=share, tolerance=TOLERANCE)
+    return replace(scene, terms=terms, until=last, stepping=stepping)
+
+
+def steps_of(result: Result) -> list[Step]:
+    """Return what acts in each step of a result, and the forces at which turingfold ends it."""
+    scene, found = result.scene, []
+    operators = [term.on(scene.body) for term in scene.terms]
+    for state in result.states[1:]:
+        acting = (operator.during(state, TimeStep(scene.until)) for operator in operators)
+        potentials = [potential for potential in acting if potential is not None]
+        at = [potential.evaluate(state["displacement"].T.ravel()) for potential in potentials]
+        loads = [-evaluation.gradient()[0] for evaluation in at if not evaluation.has_hessian]
+        load = np.sum([np.zeros(scene.body.nodes.size), *loads], axis=0)
+        scale = np.sqrt(sum(evaluation.gradient()[1] for evaluation in at))
+        found.append(Step(state["growth"], load, TOLERANCE * scale))
+    return found
 
 
 def solve_seconds(result: Result, repeats: int = 20) -> list[float]:

@@ -1,13 +1,15 @@
 """Time of a growth path against NGSolve and FElupe. Targets: 0.35 of NGSolve's, 0.15 of FElupe's.
 
     python tests/benchmarks/growth_path.py [--elements 5] [--repeats 3] [--peers ngsolve felupe] [--threads 2]
-        [--predict]
+        [--predict] [--figure3]
 
 Semi-circle of document 1, quadratic triangles, sharp cortex growing from 1 to 1.45 in 15 equal steps, no
 contact. All solve the same discrete problem, on one mesh with one quadrature, to the same nodal forces:
 1e-8 of turingfold's scale at the end of each step. Runs alternate in one process. The peers assemble (and
 NGSolve factorises) with two threads, turingfold works with one (set OMP_NUM_THREADS=1). What belongs to the
 mesh, and the compilation of kernels, is prepared before; operators and orderings are part of every run.
+With --figure3 it is the body of Figure 3 with its tension, growth of the core and swelling, until the last
+of its steps in which no walls push on each other.
 With --predict the peers, too, start each step from the continued last one. With --threads 1 processor times
 are compared; those also mean something on a machine that is busy with other work.
 """
@@ -19,11 +21,9 @@ from statistics import median
 from time import perf_counter, process_time
 
 import numpy as np
-from common import TOLERANCE, brain, growth_path, spread
+from common import before_touching, brain, growth_path, spread, steps_of
 
 from turingfold import Scene, simulate
-from turingfold.parts import TimeStep
-from turingfold.results.result import Result
 
 
 def timed(
@@ -35,20 +35,10 @@ def timed(
     return clock() - began, displacement, iterations
 
 
-def allowed_forces(result: Result) -> list[float]:
-    """Return the norm of nodal forces at which turingfold ends each step."""
-    scene, forces = result.scene, []
-    operator = scene.terms[0].on(scene.body)
-    for state in result.states[1:]:
-        found = operator.during(state, TimeStep(1.0)).evaluate(state["displacement"].T.ravel())
-        forces.append(TOLERANCE * np.sqrt(found.gradient()[1]))
-    return forces
-
-
 def ours(scene: Scene) -> tuple[np.ndarray, int]:
-    """Return the displacement of the vertices and the iterations of turingfold."""
+    """Return the displacement of the nodes and the iterations of turingfold."""
     result = simulate(scene)
-    return result.last["displacement"][:, : scene.body.mesh.nvertices], result.summary()["newton_iterations"]
+    return result.last["displacement"], result.summary()["newton_iterations"]
 
 
 def main() -> None:
@@ -58,9 +48,10 @@ def main() -> None:
     parser.add_argument("--peers", nargs="+", default=["ngsolve", "felupe"], help="those to compare with")
     parser.add_argument("--threads", type=int, default=2, help="threads of the peers")
     parser.add_argument("--predict", action="store_true", help="let peers start from the continued last step")
+    parser.add_argument("--figure3", action="store_true", help="Figure 3 until its walls touch")
     chosen = parser.parse_args()
-    scene = growth_path(brain(chosen.elements))
-    forces = allowed_forces(simulate(scene))
+    scene = (before_touching if chosen.figure3 else lambda n: growth_path(brain(n)))(chosen.elements)
+    steps = steps_of(simulate(scene))
     clock = process_time if chosen.threads == 1 else perf_counter
     settings = scene.body, chosen.predict, chosen.threads
     peers = [import_module(f"peer_{name}").Peer(*settings) for name in chosen.peers]
@@ -70,7 +61,7 @@ def main() -> None:
     for _ in range(chosen.repeats):
         for peer in peers:
             seconds, expected, iterations = timed(lambda: ours(scene), clock)
-            theirs, found, others = timed(lambda peer=peer: peer.run(forces), clock)
+            theirs, found, others = timed(lambda peer=peer: peer.run(steps), clock)
             times[peer.name].append(theirs)
             ratios[peer.name].append(seconds / theirs)
             apart = np.abs(found - expected).max() / np.abs(expected).max()

@@ -1,8 +1,8 @@
-"""The growth path in FElupe: its hand-written neo-Hookean solid, and SuperLU in symmetric mode."""
+"""A path of growth and loads in FElupe: its hand-written neo-Hookean solid, and SuperLU in symmetric mode."""
 
 import felupe
 import numpy as np
-from common import GRAY, GROWTH, STEPS, WHITE
+from common import GRAY, WHITE, Step
 from scipy.sparse.linalg import splu
 
 from turingfold.geometry.body import Body
@@ -58,35 +58,41 @@ class Peer:
         self.slopes, self.areas = self.region.dhdX.copy(), self.region.dV.copy()
         self.free = np.setdiff1d(np.arange(body.nodes.size), body.fixed)
 
-    def grow(self, growth: float, material: Grown) -> None:
-        """Pull the region's gradients and areas back to the grown state."""
-        along = np.where(self.body.in_cortex, growth, 1.0)
+    def grow(self, growth: np.ndarray, material: Grown) -> None:
+        """Pull the region's gradients and areas back to the state grown by factors (3, q, e)."""
+        along, across, thick = growth
         t = self.body.tangent
-        shift = (1 / along - 1) * t[:, None] * t[None]
-        self.region.dhdX = self.slopes + np.einsum("akqe,kjqe->ajqe", self.slopes, shift)
-        self.region.dV = self.areas * along * np.where(self.body.in_cortex, 1.0, WHITE.mu / GRAY.mu)
-        material.shift = np.zeros((3, 3, *shift.shape[2:]))
-        material.shift[:2, :2] = shift
+        shift = np.zeros((3, 3, *along.shape))
+        shift[:2, :2] = (1 / along - 1 / across) * t[:, None] * t[None]
+        shift[0, 0] += 1 / across - 1
+        shift[1, 1] += 1 / across - 1
+        shift[2, 2] = 1 / thick - 1
+        self.region.dhdX = self.slopes + np.einsum("akqe,kjqe->ajqe", self.slopes, shift[:2, :2])
+        ratio = np.where(self.body.in_cortex, 1.0, WHITE.mu / GRAY.mu)
+        self.region.dV = self.areas * along * across * thick * ratio
+        material.shift = shift
 
-    def run(self, forces: list[float]) -> tuple[np.ndarray, int]:
-        """Return the displacement of the vertices (2, n) and the iterations, down to the given forces."""
+    def run(self, steps: list[Step]) -> tuple[np.ndarray, int]:
+        """Return the displacement of the nodes (2, n) and the iterations, down to the forces of each step."""
         material = Grown()
         field = felupe.FieldContainer([felupe.FieldPlaneStrain(self.region, dim=2)])
         solid = felupe.SolidBody(material, field)
         u = field[0].values
         before, iterations = np.zeros_like(u), 0
-        for step, force in enumerate(forces, start=1):
-            self.grow(1 + (GROWTH - 1) * step / STEPS, material)
+        for step in steps:
+            self.grow(step.growth, material)
+            load = step.load[self.free]
             if self.predict:
                 ahead = u - before
                 before = u.copy()
                 u += ahead
             while True:
                 slope = solid.assemble.vector(field, parallel=self.parallel).toarray().ravel()[self.free]
-                if np.linalg.norm(slope) <= force:
+                slope -= load
+                if np.linalg.norm(slope) <= step.force:
                     break
                 tangent = solid.assemble.matrix(field, parallel=self.parallel).tocsc()
                 factor = splu(tangent[self.free][:, self.free], **SYMMETRIC)
                 u.reshape(-1)[self.free] -= factor.solve(slope)
                 iterations += 1
-        return u[: self.body.mesh.nvertices].T.copy(), iterations
+        return u.T.copy(), iterations

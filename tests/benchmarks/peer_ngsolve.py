@@ -1,4 +1,4 @@
-"""The growth path in NGSolve: energy by `Variation`, sparsecholesky with its symbolic part reused."""
+"""A path of growth and loads in NGSolve: energy by `Variation`, sparsecholesky, its symbolic part reused."""
 
 import os
 import sys
@@ -7,7 +7,10 @@ from pathlib import Path
 import netgen.meshing as netgen
 import ngsolve as ngs
 import numpy as np
-from common import GRAY, GROWTH, STEPS, WHITE
+from common import GRAY, WHITE, Step
+from ngsolve.comp import IntegrationRuleSpace
+from scipy.sparse import csr_matrix, hstack, identity, vstack
+from scipy.spatial import cKDTree
 
 from turingfold.geometry.body import Body
 
@@ -23,47 +26,69 @@ class Peer:
 
     def __init__(self, body: Body, predict: bool, threads: int) -> None:
         self.predict, self.threads = predict, threads
-        self.vertices = body.mesh.nvertices
-        self.growth = ngs.Parameter(1.0)
-        mesh = ngs.Mesh(_mesh(body))
-        self.space = ngs.VectorH1(mesh, order=2, dirichlet="base")
+        self.mesh = ngs.Mesh(_mesh(body))
+        self.space = ngs.VectorH1(self.mesh, order=2, dirichlet="base")
+        self.points = IntegrationRuleSpace(self.mesh, order=2)  # its rule is ours
+        self.place = self._places(body)
+        self.growth = [self._field(np.ones(body.quadrature.weights.shape)) for _ in range(3)]
         self.form = ngs.BilinearForm(self.space, symmetric=True)
-        self.form += self._energy(mesh, body)
+        self.form += self._energy(body)
         self.free = np.array(list(self.space.FreeDofs()), dtype=bool)
+        self.nodal = _nodal(self.mesh, body)
 
-    def _energy(self, mesh: ngs.Mesh, body: Body) -> ngs.comp.SumOfIntegrals:
+    def _places(self, body: Body) -> np.ndarray:
+        """Return which of the body's integration points each of NGSolve's is."""
+        at = ngs.GridFunction(self.points)
+        found = []
+        for coordinate in (ngs.x, ngs.y):
+            at.Interpolate(coordinate)
+            found.append(at.vec.FV().NumPy().copy())
+        apart, place = cKDTree(body.quadrature.points.reshape(2, -1).T).query(np.transpose(found))
+        assert apart.max() < 1e-12 * body.length
+        assert len(np.unique(place)) == len(place)
+        return np.asarray(place)
+
+    def _field(self, values: np.ndarray) -> ngs.GridFunction:
+        """Return a field of values at the integration points, (q, e)."""
+        field = ngs.GridFunction(self.points)
+        field.vec.FV().NumPy()[:] = values.ravel()[self.place]
+        return field
+
+    def _energy(self, body: Body) -> ngs.comp.SumOfIntegrals:
         """Return ∫ J_G ψ(F G⁻¹) dA, the trace with its out-of-plane entry."""
-        along = mesh.MaterialCF({"cortex": self.growth, "core": 1.0})
-        mu = mesh.MaterialCF({"cortex": GRAY.mu, "core": WHITE.mu})
-        kappa = mesh.MaterialCF({"cortex": GRAY.kappa, "core": WHITE.kappa})
-        tangent = ngs.CF((-ngs.y, ngs.x)) / ngs.sqrt(ngs.x**2 + ngs.y**2)
+        mu = self.mesh.MaterialCF({"cortex": GRAY.mu, "core": WHITE.mu})
+        kappa = self.mesh.MaterialCF({"cortex": GRAY.kappa, "core": WHITE.kappa})
+        tangent = ngs.CF(tuple(self._field(values) for values in body.tangent))
+        along, across, thick = self.growth
         eye = ngs.Id(2)
-        inverse = eye + (1 / along - 1) * ngs.OuterProduct(tangent, tangent)
+        inverse = 1 / across * eye + (1 / along - 1 / across) * ngs.OuterProduct(tangent, tangent)
         F = (eye + ngs.Grad(self.space.TrialFunction())) * inverse
-        J, I1 = ngs.Det(F), ngs.InnerProduct(F, F) + 1
-        density = along * (mu / 2 * (I1 * J ** (-2 / 3) - 3) + kappa / 2 * (J - 1) ** 2)
-        basis = body._basis
-        rule = ngs.IntegrationRule([tuple(point) for point in basis.X.T], list(basis.W))
-        measure = ngs.dx(intrules={ngs.ET.TRIG: rule})
-        return ngs.Variation(density.Compile(realcompile=True, wait=True) * measure)
+        J, I1 = ngs.Det(F) / thick, ngs.InnerProduct(F, F) + 1 / thick**2
+        density = mu / 2 * (I1 * J ** (-2 / 3) - 3) + kappa / 2 * (J - 1) ** 2
+        grown = along * across * thick * density
+        measure = ngs.dx(intrules=self.points.GetIntegrationRules())
+        return ngs.Variation(grown.Compile(realcompile=True, wait=True) * measure)
 
-    def run(self, forces: list[float]) -> tuple[np.ndarray, int]:
-        """Return the displacement of the vertices (2, n) and the iterations, down to the given forces."""
+    def run(self, steps: list[Step]) -> tuple[np.ndarray, int]:
+        """Return the displacement of the nodes (2, n) and the iterations, down to the forces of each step."""
         ngs.SetNumThreads(self.threads)
         u = ngs.GridFunction(self.space)
         slope, direction, before = (u.vec.CreateVector() for _ in range(3))
         before[:] = 0.0
         inverse, iterations = None, 0
         with ngs.TaskManager():
-            for step, force in enumerate(forces, start=1):
-                self.growth.Set(1 + (GROWTH - 1) * step / STEPS)
+            for step in steps:
+                for field, values in zip(self.growth, step.growth, strict=True):
+                    field.vec.FV().NumPy()[:] = values.ravel()[self.place]
+                load = (self.nodal.T @ step.load.reshape(-1, 2)).T.ravel()
                 if self.predict:
                     direction.data = u.vec - before
                     before.data = u.vec
                     u.vec.data += direction
                 while True:
                     self.form.Apply(u.vec, slope)
-                    if np.linalg.norm(slope.FV().NumPy()[self.free]) <= force:
+                    slope.FV().NumPy()[:] -= load
+                    if np.linalg.norm(slope.FV().NumPy()[self.free]) <= step.force:
                         break
                     self.form.AssembleLinearization(u.vec)
                     if inverse is None:
@@ -73,8 +98,7 @@ class Peer:
                     direction.data = inverse * slope
                     u.vec.data -= direction
                     iterations += 1
-        values = u.vec.FV().NumPy().reshape(2, -1)
-        return values[:, : self.vertices].copy(), iterations
+        return (self.nodal @ u.vec.FV().NumPy().reshape(2, -1).T).T, iterations
 
 
 def _mesh(body: Body) -> netgen.Mesh:
@@ -88,3 +112,25 @@ def _mesh(body: Body) -> netgen.Mesh:
         for ends in body.mesh.facets[:, body.mesh.boundaries[name]].T:
             mesh.Add(netgen.Element1D([points[node] for node in ends], index=index))
     return mesh
+
+
+def _nodal(mesh: ngs.Mesh, body: Body) -> csr_matrix:
+    """Return the values at the body's nodes that NGSolve's functions have: of vertices, then of edges.
+
+    A function of a vertex is linear, 1/2 in the middle of its edges, and that of an edge is a bubble.
+    """
+    space, vertices = ngs.H1(mesh, order=2), body.mesh.nvertices
+    own = {tuple(sorted(ends)): k for k, ends in enumerate(body.mesh.facets.T.tolist())}
+    edges = [tuple(sorted(vertex.nr for vertex in edge.vertices)) for edge in mesh.edges]
+    rows = np.array([own[ends] for ends in edges])
+    columns = np.array([space.GetDofNrs(ngs.NodeId(ngs.EDGE, k))[0] for k in range(len(edges))]) - vertices
+    inner = int(np.flatnonzero(~np.isin(rows, body.mesh.boundary_facets()))[0])
+    bubble = ngs.GridFunction(space)
+    bubble.vec[vertices + int(columns[inner])] = 1.0
+    height = bubble(mesh(*body.nodes[:, vertices + rows[inner]]))
+    halves = np.repeat(0.5, 2 * len(edges))
+    middle = csr_matrix((halves, (np.repeat(rows, 2), np.ravel(edges))), shape=(len(edges), vertices))
+    bubbles = csr_matrix((np.full(len(edges), height), (rows, columns)), shape=(len(edges), len(edges)))
+    return csr_matrix(
+        vstack([hstack([identity(vertices), csr_matrix((vertices, len(edges)))]), hstack([middle, bubbles])])
+    )
