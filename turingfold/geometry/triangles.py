@@ -41,8 +41,8 @@ def quadratic_mesh(mesh: MeshTri1) -> MeshTri2:
 
 CORNERS_AND_MIDDLES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
 # ∂x/∂ξ and ∂x/∂η of a quadratic triangle at its corners, from its corners and the middles of 01, 12, 20
-ALONG_XI = np.array([(-3, -1, 0, 4, 0, 0), (1, 3, 0, -4, 0, 0), (1, -1, 0, 0, 4, -4)])
-ALONG_ETA = np.array([(-3, 0, -1, 0, 0, 4), (1, 0, -1, -4, 4, 0), (1, 0, 3, 0, 0, -4)])
+ALONG_XI = np.array([(-3.0, -1, 0, 4, 0, 0), (1, 3, 0, -4, 0, 0), (1, -1, 0, 0, 4, -4)])
+ALONG_ETA = np.array([(-3.0, 0, -1, 0, 0, 4), (1, 0, -1, -4, 4, 0), (1, 0, 3, 0, 0, -4)])
 
 
 LATTICE = np.array([(4 - i - j, i, j) for i in range(5) for j in range(5 - i)]) / 4  # barycentric, (15, 3)
@@ -56,6 +56,7 @@ QUARTERS = 0.5 * np.array([  # of a triangle: corners, (4, 3, 3)
     [(1, 0, 1), (0, 1, 1), (0, 0, 2)], [(1, 1, 0), (0, 1, 1), (1, 0, 1)],
 ])  # fmt: skip
 HALVINGS = 6
+CORNERS = np.array([(0, 1, 2), (1, 2, 0), (2, 0, 1)])  # i, j and k of each side
 
 
 def folded_over(mesh: MeshTri2, nodes: Array, bubbles: Array | None = None) -> Integers:
@@ -93,6 +94,17 @@ def bulged_over(triangles: Array, bubbles: Array) -> Integers:
     return np.unique(np.concatenate([*turned, left]))
 
 
+def bernstein(triangles: Array) -> Array:
+    """Return the Bernstein coefficients of the Jacobian of quadratic triangles, (2, 6, e): (6, e).
+
+    It is their sum with λ_i² at the corners, then with 2 λ_i λ_j of the sides 01, 12, 20; λ barycentric.
+    """
+    (ux, uy), (vx, vy) = ALONG_XI @ triangles, ALONG_ETA @ triangles  # (3, e) each
+    i, j, _ = CORNERS
+    between = 0.5 * (ux[i] * vy[j] - uy[i] * vx[j] + ux[j] * vy[i] - uy[j] * vx[i])
+    return np.concatenate([ux * vy - uy * vx, between])
+
+
 def turned_over(triangles: Array) -> Integers:
     """Return which quadratic triangles, (2, 6, e), have a Jacobian that is not positive everywhere.
 
@@ -101,10 +113,8 @@ def turned_over(triangles: Array) -> Integers:
     C, the Bernstein coefficients, are positive, it is.
     Source: Hadeler 1983, On copositive matrices, Linear Algebra and its Applications 49, 79 (order 3).
     """
-    u, v = ALONG_XI @ triangles, ALONG_ETA @ triangles  # (2, 3, e)
-    i, j, k = np.array([0, 1, 2]), np.array([1, 2, 0]), np.array([2, 0, 1])
-    own = u[0] * v[1] - u[1] * v[0]
-    between = 0.5 * (u[0, i] * v[1, j] - u[1, i] * v[0, j] + u[0, j] * v[1, i] - u[1, j] * v[0, i])
+    i, j, k = CORNERS
+    own, between = np.split(bernstein(triangles), 2)
     doubtful = np.flatnonzero(~((own > 0).all(0) & (between > 0).all(0)))
     root, between = np.sqrt(np.maximum(own[:, doubtful], 0.0)), between[:, doubtful]
     pairs = between + root[i] * root[j]

@@ -3,8 +3,9 @@
 The barrier and the continuous collision detection are ipctk's (incremental potential contact, Li et al.
 2020). They see chords of the quadratic boundary edges, several to an edge and all moved by its three nodes;
 walls keep apart by what the chords miss of the curves. Where two edges with a common node fold together, a
-barrier on the angle between them does the same. At the two ends of the pial surface of a clamped,
-rolling or mirrored body the base (or mirror) line continues outward as an obstacle.
+barrier on the angle between them does the same, and others keep triangles from turning over. At the two ends
+of the pial surface of a clamped, rolling or mirrored body the base (or mirror) line continues outward as an
+obstacle.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .boundary import boundary_edges, counts, crossed_edges, stays_straight, tis
 from .creases import creases
 from .inversion import bounding, inversion
 from .obstacles import joined, obstacles
+from .turning import Turning
 from .walls import Walls, check_rest
 
 BEND = 0.1  # of its length: how far a boundary edge may bend before its chords miss more than half of APART
@@ -120,8 +122,7 @@ class ContactOperator(Operator):
         self.near = term.near / body.length if isinstance(term, _AsOnCoarser) else self.shortest
         self.triangles = body.mesh.f2t[0, boundary[1] - body.mesh.nvertices]  # of the body's edges, (m,)
         self.at_points = body.quadrature.weights.shape
-        triangles = bounding(body, boundary)
-        self.nodes = np.unique(triangles)
+        self.nodes = np.unique(body.triangles)
         share = (1 + APART) * term.gap
         lines = obstacles(body, shortest, term.base_line, term.skull, share)
         fixed, fixed_edges, names = joined(lines, self.nodes)
@@ -135,7 +136,8 @@ class ContactOperator(Operator):
         self.walls = self._walls(self.counts)
         self.barriers = (
             creases(self.edges, tissue_left(body, boundary), self.rest, term.gap, term.stiffness),
-            inversion(np.searchsorted(self.nodes, triangles), self.rest, term.stiffness),
+            inversion(np.searchsorted(self.nodes, bounding(body, boundary)), self.rest, term.stiffness),
+            Turning(np.searchsorted(self.nodes, body.triangles), self.rest, term.stiffness),
         )
         # its slope at half of dhat is 4.33 dhat³ in ipctk's units, and 4.63 where neighbouring chords act too
         self.barrier = ipctk.BarrierPotential(self.dhat, 0.5 * term.stiffness / (4.63 * self.dhat**3))

@@ -46,16 +46,16 @@ def bounding(body: Body, edges: Integers) -> Integers:
 
 def inversion(triangles: Integers, rest: Array, stiffness: float) -> Inversion:
     """Return the barrier for triangles, (6, c), of nodes at `rest`, (n, 2); stiffness: as of contact."""
-    free = Inversion(triangles, _shares(), np.empty(0), np.empty(0))
+    free = Inversion(triangles, derivatives(PLACES), np.empty(0), np.empty(0))
     at_rest = free.measure(free.directions(rest))
     share = 0.5 * at_rest / len(PLACES)  # of the area
     weight = stiffness * share * LEAST / -barrier_slope(0.5)
     return Inversion(triangles, free.shares, (LEAST - FLOOR) * at_rest, weight, FLOOR * at_rest)
 
 
-def _shares() -> Array:
-    """Return the derivatives of the six shape functions along both axes at each place, α last, (2, 17, 6)."""
-    x, y = PLACES.T
+def derivatives(places: Array) -> Array:
+    """Return the derivatives of the six shape functions along both axes, α last, (2, p, 6), at (p, 2)."""
+    x, y = places.T
     z = 1 - x - y
     nil = np.zeros_like(x)
     along_x = np.stack([1 - 4 * z, 4 * x - 1, nil, 4 * (z - x), 4 * y, -4 * y], axis=1)

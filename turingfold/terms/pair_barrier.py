@@ -69,8 +69,8 @@ class PairBarrier(ABC):
         z = measure[place, pair] / self.bound[place, pair]
         return ClosePairs(self, place, pair, directions[:, place, pair], z)
 
-    def largest_step(self, start: Array, end: Array) -> float:
-        """Return nine tenths of the share of the way at which a pair first closes, at most 1; exactly.
+    def largest_step(self, start: Array, end: Array, share: float = 0.9) -> float:
+        """Return `share` of the way to where a pair first closes, at most 1; exactly.
 
         β × α is quadratic along the way. Pairs that are closed already are not seen.
         """
@@ -92,7 +92,7 @@ class PairBarrier(ABC):
         steps = np.where(met, steps, 0.0)
         met &= linear + 2 * square * steps <= 0  # from open to closed, not the other way
         met &= self.closing(first[:, None] + steps[..., None] * way[:, None])
-        return min(1.0, 0.9 * float(np.min(steps, initial=np.inf, where=met)))
+        return min(1.0, share * float(np.min(steps, initial=np.inf, where=met)))
 
 
 @dataclass(frozen=True, eq=False)
