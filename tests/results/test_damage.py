@@ -140,6 +140,41 @@ def test_a_state_of_another_run_is_left_out(finished, out, another, name):
     assert found.summary() == whole.summary()  # the last one is in the checkpoint, too
 
 
+def exchange(one, other):
+    one_is, other_is = one.read_bytes(), other.read_bytes()
+    one.write_bytes(other_is)
+    other.write_bytes(one_is)
+
+
+def test_states_of_one_run_that_were_exchanged_are_left_out(finished, out):
+    """Each is known by its time, which the history has of its step."""
+    whole = load(finished)
+    names = [f"states/{step:06d}.npz" for step in (3, 8)]
+    exchange(*(out / name for name in names))
+    with pytest.warns(UserWarning, match="a file of another step") as told:
+        found = load(out)
+    times = [whole.history[step - 1]["time"] for step in (3, 8)]
+    for name, time, other in zip(names, times, times[::-1], strict=True):
+        message = rf"{name} holds the state of t = {other:g}, but by history\.csv .* ended at t = {time:g}"
+        assert sum(bool(re.search(message, str(each.message))) for each in told) == 1
+    assert [s.time for s in found.states] == [s.time for s in whole.states if s.time not in times]
+    for state in found.states:
+        kept = next(s for s in whole.states if s.time == state.time)
+        np.testing.assert_array_equal(state["displacement"], kept["displacement"])
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_last_state_that_is_of_another_step_is_made_anew(finished, out):
+    first, *_, last = sorted(out.glob("states/*.npz"))
+    shutil.copy(first, last)
+    older, newer = sorted(out.glob("checkpoint-*.npz"))
+    exchange(older, newer)
+    with pytest.raises(CorruptFileError, match=r"the last state, of t = 1, .* is missing or damaged"):
+        load(out)
+    assert simulate(elastic_scene(stepping=HURRIED), out, resume=True, frames=4).converged
+    assert load(out).summary()["energy"] == load(finished).summary()["energy"]
+
+
 @pytest.mark.parametrize("name", ["frames.pvd", "frames/000005.vtu"])
 def test_a_frame_of_another_run_is_told_of(out, another, name):
     shutil.copy(another / name, out / name)

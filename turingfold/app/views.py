@@ -65,9 +65,10 @@ class Views:
     def _measured(self, folder: Path, known: tuple[Any, ...], step: int, stamp: int) -> dict[str, Any] | None:
         """Return time, age, number of folds and their mean depth of a kept state; None of a damaged one."""
         scene = self.scene(folder, known)
-        body = scene.body
+        body, identity = scene.body, self.identity(folder)
         try:
-            state = state_of(folder / "states" / f"{step:06d}.npz", self.identity(folder))
+            rows = read_history(folder, identity)
+            state = state_of(folder / "states" / f"{step:06d}.npz", identity, rows)
         except CorruptFileError:
             return None
         folds, depth = sulci_of(body, state["displacement"])

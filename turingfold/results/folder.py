@@ -29,7 +29,7 @@ from ..errors import SolveError
 from ..scene import Scene, reached
 from ..solve.march import Progress
 from ..state import State
-from .checkpoint import Checkpoint, from_arrays, to_arrays
+from .checkpoint import Checkpoint, to_arrays
 from .codec import Arrays
 from .document import difference, origin, read_body, read_document, stored
 from .files import CorruptFileError, arrays_content, json_content, read_bytes, write_whole, writing
@@ -39,7 +39,7 @@ from .lock import NAME as LOCK
 from .lock import FolderLock
 from .log import NAME as LOG
 from .log import append, warnings_to
-from .reading import check_scene_is_own, state_of
+from .reading import check_scene_is_own, checkpoint_of, state_of
 from .units import stored_unit
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ class ResultFolder:
         rows = self._sound_rows()
         for file in sorted(self.path.glob("checkpoint-*.npz"), reverse=True):
             try:
-                found = from_arrays(self._identity.read(file))
+                found = checkpoint_of(file, self._identity, rows)
                 if len(rows) < found.step:
                     raise CorruptFileError(f"{self._history.path} has lost the rows up to {file.name}.")
             except CorruptFileError as error:
@@ -198,7 +198,7 @@ class ResultFolder:
             if not file.stem.isdecimal() or int(file.stem) >= before:
                 continue
             try:
-                states[int(file.stem)] = state_of(file, self._identity)
+                states[int(file.stem)] = state_of(file, self._identity, self._history.rows)
             except CorruptFileError as error:
                 warnings.warn(str(error), stacklevel=2)
         frames = [file for file in self.path.glob("frames/*.vtu") if file.stem.isdecimal()]

@@ -38,12 +38,13 @@ def read_result(folder: FilePath, *, known: Iterable[Any] = ()) -> Result:
     """Do what `load` does, without a warning."""
     path = Path(folder)
     scene, ending, identity = read_scene(path, known), read_ending(path), Identity.at(path)
-    states = read_states(path, identity)
+    rows = read_history(path, identity)
+    states = read_states(path, identity, rows)
     check_frames(path, identity)
     if not states:
         raise ValueError(f"{path} holds no state yet; run the scene first, or go on with resume=True.")
     # a killed run loses what is beyond the last state with a row, or the last row with a state
-    history = [row for row in read_history(path, identity) if row["time"] <= states[-1].time]
+    history = [row for row in rows if row["time"] <= states[-1].time]
     states = [state for state in states if state.time <= (history[-1]["time"] if history else 0.0)]
     found = states[-1].time if states else None, len(history)
     if ending.time is not None and found != (ending.time, ending.steps):

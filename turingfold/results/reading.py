@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import reprlib
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -12,9 +12,9 @@ from types import NoneType
 from typing import Any
 
 from ..state import State
-from .checkpoint import from_arrays
+from .checkpoint import Checkpoint, from_arrays
 from .files import CHECKSUM, CorruptFileError, read_json, unsigned
-from .history import read_history
+from .history import Row, read_history
 from .identity import RUN, ForeignFileError, Identity
 from .lock import writer
 
@@ -85,15 +85,15 @@ def read_summary(path: Path) -> dict[str, Any]:
     return summary
 
 
-def read_states(path: Path, identity: Identity) -> list[State]:
+def read_states(path: Path, identity: Identity, rows: Sequence[Row]) -> list[State]:
     """Return the kept states, and the last one, which of a run that was killed is in the checkpoint only.
 
-    Damaged ones, and those of another run, are left out, with a warning.
+    rows: of the history.  Damaged ones, and those of another run or step, are left out, with a warning.
     """
     states, last = [], ""
     for file in sorted((path / "states").glob("*.npz")):
         try:
-            states.append(state_of(file, identity))
+            states.append(state_of(file, identity, rows))
             last = file.stem
         except CorruptFileError as error:
             warnings.warn(str(error), stacklevel=3)
@@ -101,20 +101,44 @@ def read_states(path: Path, identity: Identity) -> list[State]:
         if file.stem.removeprefix("checkpoint-") <= last:
             break
         try:
-            return [*states, from_arrays(identity.read(file)).progress.state]
+            return [*states, checkpoint_of(file, identity, rows).progress.state]
         except CorruptFileError as error:
             if file.exists():  # a run that goes on removes old ones
                 warnings.warn(str(error), stacklevel=3)
     return states
 
 
-def state_of(file: Path, identity: Identity) -> State:
-    """Return the state in a file; raises CorruptFileError where it is damaged, or of another run."""
+def state_of(file: Path, identity: Identity, rows: Sequence[Row]) -> State:
+    """Return the state in a file; raises CorruptFileError where it is damaged, or of another run or step."""
     fields = identity.read(file)
     time = fields.pop("time", None)
     if time is None or time.shape or "displacement" not in fields:
         raise CorruptFileError(f"{file} holds no state.")
+    _check_step(file, float(time), rows)
     return State(float(time), fields)
+
+
+def checkpoint_of(file: Path, identity: Identity, rows: Sequence[Row]) -> Checkpoint:
+    """Return the checkpoint in a file; raises as `state_of`."""
+    found = from_arrays(identity.read(file))
+    _check_step(file, found.progress.state.time, rows)
+    return found
+
+
+def _check_step(file: Path, time: float, rows: Sequence[Row]) -> None:
+    """Raise CorruptFileError unless a state's time is that of the step that its file is named by.
+
+    Where a killed run has lost the row of that step, unless it is later than the rows that there are.
+    """
+    step, known = int(file.stem.removeprefix("checkpoint-")), [0.0, *(row["time"] for row in rows)]
+    lost = step >= len(known)
+    if time > known[-1] if lost else time == known[step]:
+        return
+    wanted = f"comes after t = {known[-1]:g}" if lost else f"ended at t = {known[step]:g}"
+    raise CorruptFileError(
+        f"{file} holds the state of t = {time:g}, but by history.csv step {step} {wanted}: it is a file of "
+        "another step. Put back the file that was here, or run the scene again (overwrite=True, --overwrite)."
+    )
 
 
 def check_frames(path: Path, identity: Identity) -> None:
