@@ -30,8 +30,8 @@ def line(points: Array, closed: bool, step: float, smooth: float = 0.0) -> Array
         left = _lengths(nodes)[-1]
         if left < LEFT * along[-1]:
             raise ValueError(
-                f"smooth is {smooth / along[-1]:.2g} of the length of a curve and leaves {left / along[-1]:.2g} "
-                f"of it; at least {LEFT:g} must stay, so make it smaller."
+                f"smooth is {smooth / along[-1]:.2g} of the length of a curve, and {left / along[-1]:.2g} "
+                f"of that is left; at least {LEFT:g} must stay, so make it smaller."
             )
         along = even
     spline = CubicSpline(along, nodes.T, bc_type="periodic" if closed else "not-a-knot")
