@@ -1,8 +1,8 @@
 """Triangles that are about to turn over anywhere: a barrier on det F, of which most need but a bound.
 
 det F of a quadratic triangle is a quadratic polynomial between its six Bernstein coefficients. Where these
-leave no doubt nothing else is computed; in other triangles det F is kept above zero at places as close as an
-eighth of a side.
+leave no doubt nothing else is computed; in other triangles det F is kept above zero at places, close together
+on the sides and wider apart inside, where the elastic energy looks, too.
 """
 
 from __future__ import annotations
@@ -16,8 +16,11 @@ from .pair_barrier import ClosePairs, barrier_slope, cross
 
 LEAST, FLOOR = 0.02, 0.004  # det F below which the barrier acts, and that it has at each place
 # folded bodies come down to 0.023, where `Inversion` keeps triangles at the boundary open
-SIDE = 8  # parts of a side between places
-PLACES = np.array([(i, j) for i in range(SIDE + 1) for j in range(SIDE + 1 - i)]) / SIDE
+SIDE, INSIDE = 32, 4  # parts of a side between places, and of those as many between places inside
+PLACES = np.array([
+    (i, j) for i in range(SIDE + 1) for j in range(SIDE + 1 - i)
+    if i * j * (SIDE - i - j) == 0 or i % INSIDE == j % INSIDE == 0
+]) / SIDE  # fmt: skip
 NEARLY = 0.99  # of the way to where a triangle turns over: steps may come close, as the energy says how far
 
 
