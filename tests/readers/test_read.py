@@ -98,6 +98,17 @@ def test_a_header_in_latin_1_is_read(tmp_path):
         ("x (in),y", 0.0254),
         ("in,in", 0.0254),
         ("x (mm),y (up)", 1e-3),
+        ("# coordinates (cm)", 1e-2),
+        ("# all points [m]", 1.0),
+        ("# scale: mm", 1e-3),
+        ("# mm units", 1e-3),
+        ("xmm,ymm", 1e-3),
+        ("xin,yin", 0.0254),
+        ("x{mm},y{mm}", 1e-3),
+        ("x <cm>,y <cm>", 1e-2),
+        ("# units: cm\n# sampled every mm", 1e-2),
+        ("Outline smoothed by 2 mm", 0),
+        ("# scale bar 5 mm", 0),
         ("# seen in the microscope (10x), unit tests passed, smoothed by 2 mm", 0),
     ],
 )
@@ -121,6 +132,9 @@ def test_the_unit_is_that_of_the_header(tmp_path, header, unit):
         ("x (0.1 mm),y (0.1 mm)", "0.1 mm"),
         ("x [%],y [%]", "%"),
         ("# 1 unit = 0.05 mm", "0.05 mm"),
+        ("# 1 px = 0.05 mm", "0.05 mm"),
+        ("# pixel spacing 0.1 mm, traced by hand", "0.1 mm"),
+        ("# 0.1 mm / pixel", "0.1 mm"),
     ],
 )
 def test_a_unit_that_is_not_known_is_refused_unless_one_is_given(tmp_path, header, word):
@@ -128,6 +142,68 @@ def test_a_unit_that_is_not_known_is_refused_unless_one_is_given(tmp_path, heade
     with pytest.raises(ValueError, match=rf"a\.csv: .* states the unit '{word}'; known are m, cm, mm.*unit="):
         read_outline(file)
     assert np.ptp(read_outline(file, unit=1e-4).single(), axis=1) == pytest.approx(1e-4)
+
+
+@pytest.mark.parametrize(
+    ("header", "word"),
+    [
+        ("# sampled every mm", "mm"),
+        ("# Outline of slice 3, mm", "mm"),
+        ("# pixel coordinates", "pixel"),
+        ("mm_x,mm_y", "mm"),
+        ("pixel x,pixel y", "pixel"),
+    ],
+)
+def test_a_unit_in_passing_is_refused_unless_one_is_given(tmp_path, header, word):
+    file = written(tmp_path, f"{header}\n{SQUARE}")
+    with pytest.raises(ValueError, match=rf"a\.csv: .* mentions '{word}', .*give unit="):
+        read_outline(file)
+    assert np.ptp(read_outline(file, unit="cm").single(), axis=1) == pytest.approx(1e-2)
+
+
+CORNER = np.array([[0.0, 4.0, 4.0], [0.0, 0.0, 3.0]])  # of right angles, 4 across and 3 up
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("x,y", (CORNER[0], CORNER[1])),
+        ("y,x", (CORNER[1], CORNER[0])),
+        ("y;x", (CORNER[1], CORNER[0])),
+        ("Y position;X position", (CORNER[1], CORNER[0])),
+        ("# y, x", (CORNER[1], CORNER[0])),
+        ("# columns: Y X", (CORNER[1], CORNER[0])),
+        ("row,col", (-CORNER[1], CORNER[0])),
+        ("# row col", (-CORNER[1], CORNER[0])),
+        ("column,row", (CORNER[0], -CORNER[1])),
+        ("x,z", (CORNER[0], CORNER[1])),
+        ("y,z", (CORNER[0], CORNER[1])),
+        ("x_row,y_row", (CORNER[0], CORNER[1])),
+        ("x1,x2", (CORNER[0], CORNER[1])),
+        ("# y is upward, x to the right", (CORNER[0], CORNER[1])),
+        ("y (mm),x (mm)", (1e3 * CORNER[1], 1e3 * CORNER[0])),
+        ("ymm,xmm", (1e3 * CORNER[1], 1e3 * CORNER[0])),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_columns_are_those_that_their_names_say(tmp_path, header, columns):
+    """Rows of an image are counted from its top."""
+    numbers = "".join(f"{a:g};{b:g}\n" for a, b in zip(*columns, strict=True))
+    assert read_outline(written(tmp_path, f"{header}\n{numbers}")).single() == pytest.approx(CORNER)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("y,row", r"a\.csv: the columns are named 'y,row', which does not tell which"),
+        ("z,y", "'z,y', which does not tell which"),
+        ("x,x", "'x,x', which does not tell which"),
+        ("# y, x\nx,y", r"a\.csv: it names its columns in several orders, 'y, x' and 'x,y'"),
+    ],
+)
+def test_columns_of_which_the_order_cannot_be_told_are_refused(tmp_path, header, message):
+    with pytest.raises(ValueError, match=message):
+        read_outline(written(tmp_path, f"{header}\n{SQUARE}"))
 
 
 def test_numbers_as_large_as_millimetres_are_pointed_out(tmp_path):

@@ -30,18 +30,25 @@ SHORT = 4  # letters of an abbreviation
 UNIT = rf"(?:{'|'.join(sorted((*METRES, *NOT_READ), key=len, reverse=True))})s?"
 CLEAR = rf"(?!(?:{'|'.join(WORDS)})s?(?![^\W_])){UNIT}"
 UNMISTAKABLE = rf"(?<![^\W_])({CLEAR})(?![^\W_])"
-BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]")
-IN_BRACKETS = re.compile(r".*[\[(]\s*([^\])]*?)\s*[\])]")
-AT_THE_END = re.compile(rf"(?:[xy][\W_]+|.*/\s*)({UNIT})|(?:.*[\W_])?({CLEAR})", re.IGNORECASE)
+BRACKETS = re.compile(r"[\[({<]\s*([^\])}>]*?)\s*[\])}>]")
+IN_BRACKETS = re.compile(r".*[\[({<]\s*([^\])}>]*?)\s*[\])}>]")
+AT_THE_END = re.compile(rf"(?:[xy][\W_]*|.*/\s*)({UNIT})|(?:.*[\W_])?({CLEAR})", re.IGNORECASE)
 AMONG_WORDS = re.compile(UNMISTAKABLE, re.IGNORECASE)
+OF_NO_NUMBER = re.compile(rf"(?<!\d\s){UNMISTAKABLE}", re.IGNORECASE)
 COLUMNS = re.compile(r"\W*(x\b.*?)[,;\s]\s*(y\b.*)", re.IGNORECASE)
 DECLARED = re.compile(
     r"\bunits?(?:\s+of\s+length)?\s*(?:[:=]|\bis\b|\bare\b)[\s\"'\[(]*((?:[\d.,]+(?:e[-+]?\d+)?\s*)?[^\W\d_]+)",
     re.IGNORECASE,
 )
-BRIEF = re.compile(rf"(?:.*\bunits?)?\W*(?:in\s+)?{UNMISTAKABLE}\W*(?:{UNIT})?\W*", re.IGNORECASE)
-SPOKEN = re.compile(
-    r"\b(?:coordinates|points|positions|lengths|distances|numbers|values|all)\b[^.;:]*\bin\s+" + UNMISTAKABLE,
+BRIEF = re.compile(rf"(?:.*\bunits?)?\W*(?:in\s+)?{UNMISTAKABLE}\W*(?:{UNIT}|units?)?\W*", re.IGNORECASE)
+OF_ALL = r"\b(?:coordinates|points|positions|lengths|distances|numbers|values|all)\b[^.;:]*"
+SPOKEN = re.compile(rf"{OF_ALL}\bin\s+{UNMISTAKABLE}", re.IGNORECASE)
+BRACKETED = re.compile(rf"{OF_ALL}[\[({{<]\s*({UNIT})\s*[\])}}>]", re.IGNORECASE)
+MEASURE = rf"[\d.,]+(?:e[-+]?\d+)?\s*{CLEAR}(?![^\W_])"
+PIXEL = r"(?:px|pixels?|voxels?|units?)\b"
+SCALED = re.compile(
+    rf"\bscale\s*[:=]?\s*({UNIT}(?![^\W_])|{MEASURE})|\b(?:scale(?!\W*bar)|spacing|resolution|{PIXEL})"
+    rf"[^,;.\d]{{0,20}}({MEASURE})|({MEASURE})\s*(?:/|per\b)\s*{PIXEL}",
     re.IGNORECASE,
 )
 LARGE = 10.0  # no brain has so many metres, and a body without units is seldom drawn so large
@@ -84,16 +91,18 @@ def is_unit(word: str) -> bool:
 
 
 def units_of_header(fields: Sequence[str]) -> list[str]:
-    """Return the words that stand for units in the fields of a header: "x (mm)", "x_mm", "mm".
+    """Return the words that stand for units in the fields of a header: "x (mm)", "x_mm", "xmm", "mm".
 
     What two columns have in brackets may be units, known or not, and so may a word that is both fields. Among
-    the words of other text only those count that mean nothing else, so neither "in" nor "m".
+    the words of other text only those count that mean nothing else, so neither "in" nor "m", and that are not
+    of a number: "smoothed by 2 mm".
     """
     line = " ".join(fields)
     if len(fields) != 2:
         both = BRACKETS.findall(line)
-        alike = len(both) == 2 and both[0] == both[1]
-        return [word for word in both if is_unit(word)] if alike else AMONG_WORDS.findall(line)
+        if len(both) == 2 and both[0] == both[1]:
+            return [word for word in both if is_unit(word)]
+        return _scales(line) or OF_NO_NUMBER.findall(line)
     matches = [IN_BRACKETS.fullmatch(field) for field in fields]
     brackets = [match[1] for match in matches if match]
     whole = fields[0] == fields[1] or all(unit_of(field) for field in fields)
@@ -108,8 +117,19 @@ def units_of_comment(text: str) -> list[str]:
     """Return the words that stand for units in a comment: "units: cm", "x (mm), y (mm)", "mm, mm"."""
     columns = COLUMNS.fullmatch(text.strip())
     found = units_of_header([columns[1].strip(" ,;"), columns[2].strip()]) if columns else []
+    found = found or DECLARED.findall(text) or _scales(text) or SPOKEN.findall(text)
     brief = BRIEF.fullmatch(text)
-    return found or DECLARED.findall(text) or SPOKEN.findall(text) or ([brief[1]] if brief else [])
+    return found or BRACKETED.findall(text) or ([brief[1]] if brief else [])
+
+
+def units_in_passing(text: str) -> list[str]:
+    """Return the units that a header or a comment mentions otherwise: "sampled every mm", not "2 mm"."""
+    return OF_NO_NUMBER.findall(text)
+
+
+def _scales(text: str) -> list[str]:
+    """Return what text says that a unit is long: "scale: mm", "1 px = 0.1 mm", "0.1 mm per pixel"."""
+    return ["".join(found).strip() for found in SCALED.findall(text)]
 
 
 def unit_of_name(column: str) -> str | None:

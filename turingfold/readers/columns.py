@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array
-from ..geometry.units import KNOWN, unit_of, units_of_comment, units_of_header
+from ..geometry.units import KNOWN, unit_of, units_in_passing, units_of_comment, units_of_header
+from .column_names import Order, order_of_comment, order_of_header
 
 COMMENT = re.compile(r"(?:^|\s)[#%](.*)$")
 MISSING = ("", "nan", "na", "n/a", "null")
@@ -50,10 +51,11 @@ class Dialect:
 def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array], float | None]:
     """Return the closed curves (2, n) in a file, and the length in m of the unit it states, if it does.
 
-    unit_is_given: what the file states does not matter.
+    unit_is_given: what the file states does not matter.  Its columns are those that it names, see `Order`.
     Warns of points far from both their neighbours, by the number of the line.
     Raises ValueError with the number of the line for fields that are no numbers, for curves of fewer than
-    three points, and for closed curves that follow each other without a blank row; for an unknown unit.
+    three points, and for closed curves that follow each other without a blank row; for a unit that is unknown
+    or mentioned in passing only, and for names of columns of which the order cannot be told.
     """
     written = _text(file).splitlines()
     lines = [COMMENT.sub("", line).strip() for line in written]
@@ -61,26 +63,52 @@ def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array
     dialect = _dialect(lines[1:], declared[1].strip()) if declared else _dialect(lines, None)
     curves: list[list[tuple[float, float, int]]] = [[]]
     words: list[str] = []
+    mentioned: list[str] = []
+    orders: dict[str, Order] = {}
     for number, line in enumerate(lines[bool(declared) :], start=1 + bool(declared)):
         fields = dialect.fields(line)
         if comment := COMMENT.search(written[number - 1]):
             words += units_of_comment(comment[1])
+            mentioned += units_in_passing(comment[1])
+            orders |= order_of_comment(comment[1], file.name)
         if all(field.lower() in MISSING for field in fields):
             if curves[-1]:
                 curves.append([])
         elif not curves[-1] and not any(LIKE_A_NUMBER.match(field) for field in fields):
+            if len(fields) != 2:  # rows may be separated by something else
+                fields = [part.strip(" \t\"'") for part in re.split("[,;\t]", line)]
             words += units_of_header(fields)
+            mentioned += units_in_passing(line)
+            orders |= order_of_header(fields, file.name)
         else:
             curves[-1].append((*_point(fields, dialect, f"{file.name}, line {number}: {line!r}"), number))
     filled = [curve for curve in curves if curve]
     if not filled:
         raise ValueError(f"{file.name} holds no points; give two columns x, y.")
-    unit = None if unit_is_given else _unit(words, file.name)
-    return [_closed(curve, file.name) for curve in filled], unit
+    unit = None if unit_is_given else _unit(words, mentioned, file.name)
+    order = _order(orders, file.name)
+    return [order.placed(_closed(curve, file.name)) for curve in filled], unit
 
 
-def _unit(words: list[str], name: str) -> float | None:
-    """Return the length in m of the unit that all the words name, or None without a word."""
+def _order(orders: dict[str, Order], name: str) -> Order:
+    """Return the order of the columns that all names tell, x and y without one."""
+    if len(set(orders.values())) > 1:
+        raise ValueError(
+            f"{name}: it names its columns in several orders, {' and '.join(map(repr, orders))}; keep one."
+        )
+    return next(iter(orders.values()), Order())
+
+
+def _unit(words: list[str], mentioned: list[str], name: str) -> float | None:
+    """Return the length in m of the unit that all the words name, or None without a word.
+
+    mentioned: units that are named in passing; without a word it is not known what they are of.
+    """
+    if mentioned and not words:
+        raise ValueError(
+            f"{name}: its header or a comment mentions {mentioned[0]!r}, and does not say whether that is "
+            'the unit of its coordinates; give unit="mm" or another, or write "# units: mm", or take it out.'
+        )
     units = {word: unit_of(word) for word in words}
     for word, unit in units.items():
         if unit is None:

@@ -55,7 +55,8 @@ def read_outline(
 
     CSV: two columns x, y, separated by comma, semicolon, tab or space, with a decimal point or comma. Blank
     rows, or rows of NaN, begin a new curve. Rows without a number are a header, which may state the unit:
-    "x (mm), y (mm)", or a row "mm,mm". Lines from # or % on are comments, which may: "# units: mm".
+    "x (mm), y (mm)", or a row "mm,mm"; and the order: "y,x", or "row,col", with rows from the top. Lines
+    from # or % on are comments, which may: "# units: mm".
     SVG: every path, circle, ellipse, rect, polygon and polyline that is shown, each part of a path a curve of
     its own, with all transforms applied and the y axis turned to point upward; a Bézier curve or a quarter of
     an ellipse has `samples` points. The unit follows from a width or height in mm, cm, in, pt or pc and the
