@@ -100,6 +100,22 @@ def test_what_holds_parts_in_place_carries_what_others_push_with(pair):
     assert moved[0] < -0.01 < 0.01 < moved[1]
 
 
+def test_a_stiff_cortex_hides_no_force_that_holds_a_soft_core():
+    """The parts would move by a sixth farther apart if nothing held them, as a run with little drag shows."""
+    loops = [1e-2 * (CIRCLE + np.array([[side], [0.0]])) for side in (-1.02, 1.02)]
+    apart = outline(loops, thickness=1.5e-3, elements=2)
+    layers = Elastic(gray=NeoHookean.from_young(1e6, 0.45), white=NeoHookean.from_young(1e3, 0.45))
+    grow = TangentialGrowth(cortex=1.05)
+    begun = Scene(body=apart, processes=(grow,), terms=(layers, SelfContact(gap=0.4)))
+    with pytest.warns(HoldingForceWarning, match="of the least shear modulus"):
+        held = simulate(begun)
+    free = simulate(replace(begun, terms=(*begun.terms, Drag(coefficient=1e4))))
+    right = apart.nodes[0] > 0
+    moved = [r.last["displacement"][0] for r in (held, free)]
+    gaps = [x[right].mean() - x[~right].mean() for x in moved]
+    assert gaps[1] > 1.1 * gaps[0] > 0
+
+
 def test_the_gyrification_index_of_circles_is_one(pair):
     still = simulate(scene(pair, 1.0 + 1e-6, first=1.0))
     assert still.summary()["gyrification_index"] == pytest.approx(1.0, abs=1e-3)
