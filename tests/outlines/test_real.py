@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from turingfold import outline, read_outline
+from turingfold import outline, read_outline, read_section
 from turingfold.outlines.fill import angles
 
 BESIDE = Path(__file__).parents[3] / "shared" / "reference"
@@ -73,6 +73,19 @@ def test_a_whole_section_is_meshed_with_its_own_white_surface(name):
     assert len(body.pial_paths) > 1
     constant = outline(pial, thickness=T, elements=3)
     examined(constant, pial, T / 3)
+
+
+@needed
+@pytest.mark.slow
+@pytest.mark.parametrize("smooth", [None, 0.0])
+@pytest.mark.parametrize("name", ["coronal_+50_1mm", "axial_+32_2mm"])
+def test_labels_are_meshed_with_steps_of_voxels_and_without(name, smooth):
+    pytest.importorskip("nibabel")
+    plane = name.split("_")[0]
+    section = read_section(SECTIONS / f"s1_labels_{name}.nii.gz", gray="1", white="2", plane=plane)
+    for elements in (1.5, 2, 2.3):
+        body = outline(section, size=T / elements, smooth=smooth)
+        assert angles(body.mesh.p, body.mesh.t).min() >= 20
 
 
 @needed
