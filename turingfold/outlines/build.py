@@ -117,13 +117,18 @@ def outline(
     finest = _finest(fine, step, grading)
     doubts = [] if white is None or thickness is None else _disagreement(loops, white, depth.typical)
     given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
-    mean, mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
+    mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     changes = replace(changes, expected=max(MOVED * step, shortest, walls))
     _warn(changes, given, shortest)
     even = interface is None and depth.at is None
-    typical = depth.typical if depth.typical > 0 else mean
     return Body(
-        mesh, typical, base, layers, hole=hole, depth_by="thickness" if even else "interface", changes=changes
+        mesh,
+        depth.typical,
+        base,
+        layers,
+        hole=hole,
+        depth_by="thickness" if even else "interface",
+        changes=changes,
     )
 
 
@@ -176,9 +181,8 @@ def _finest(fine: Any, step: float, grading: float) -> Size:
 def _filled(
     given: Given, depth: Thickness, lengths: tuple[float, float, float],
     finest: Size, grading: float,
-) -> tuple[float, MeshTri2, Changes]:  # fmt: skip
-    """Return the mean thickness of the cortex, the mesh, and what was changed; lengths: size,
-    inset and smooth of `domain`, m.
+) -> tuple[MeshTri2, Changes]:  # fmt: skip
+    """Return the mesh, and what was changed; lengths: size, inset and smooth of `domain`, m.
 
     In units of the extent around the origin, so that neither place nor unit decides between triangles.
     """
@@ -196,7 +200,7 @@ def _filled(
     edge, apart, shorter = (float(np.float32(length / unit)) for length in lengths)
     made, changes = domain(scaled, depth.scaled(centre, unit), edge, apart, shorter, unit)
     mesh, smallest = meshed(made, lambda at: finest(centre + unit * at) / unit, grading, centre, unit)
-    return made.thickness * unit, mesh, changes.placed(centre, unit, smallest)
+    return mesh, changes.placed(centre, unit, smallest)
 
 
 def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] | None) -> Thickness:

@@ -72,7 +72,7 @@ class Domain:
     """What is to be meshed.
 
     area: without holes.  white: white matter, with the holes in it.  pial, bases: lines along the boundary.
-    surface, within, walls: the smooth curves of pial surface, interface and holes.  thickness: typical.
+    surface, within, walls: the smooth curves of pial surface, interface and holes.
     depth: of the interface below the pial surface if it is the same everywhere, else 0.
     """
 
@@ -84,7 +84,6 @@ class Domain:
     within: Trace | None
     walls: Trace | None
     size: float
-    thickness: float
     depth: float
 
     def on_surface(self, at: Array) -> Array:
@@ -158,8 +157,7 @@ def domain(
             "same unit for thickness and points."
         )
     made = Domain(
-        area, white, holes, surface.bases, surface, within, walls, size, thickness.typical,
-        thickness.typical if even else 0.0,
+        area, white, holes, surface.bases, surface, within, walls, size, thickness.typical if even else 0.0,
     )  # fmt: skip
     rough = measured if smooth == 0 else even_odd(traced(given.pial, step, 0.0, given.bases).polygons)
     changes = _changes(given, rough, measured, made, inset)
