@@ -49,13 +49,12 @@ def chosen(told):
     return [float(found) for found in re.findall(r"^run \d, elements=([\d.]+)", told, re.MULTILINE)]
 
 
-def test_a_looser_error_takes_the_first_run_and_a_smaller_one_finer_elements(case, capsys):
+def test_a_looser_error_takes_two_runs_and_a_smaller_one_finer_elements(case, capsys):
     told, facts = ran(capsys, "--accuracy", "5%")
-    assert chosen(told) == [3.0]
+    assert chosen(told) == [3.0, 3.9]
     loose = load("results/tiny/only")
-    assert facts["reached"] == pytest.approx(max(
-        SAFETY * loose.errors[name] / abs(loose.summary()[name]) for name in ("energy", "perimeter")
-    ))  # fmt: skip
+    own = max(SAFETY * loose.errors[name] / abs(loose.summary()[name]) for name in ("energy", "perimeter"))
+    assert own <= facts["reached"] < 2 * own
     wanted = 0.2 * facts["reached"]
     told, facts = ran(capsys, "--accuracy", f"{wanted}", "--overwrite")
     assert len(chosen(told)) > 1
@@ -87,7 +86,7 @@ def test_steps_are_made_shorter_where_they_matter(case, capsys):
         name: (SAFETY * result.errors[name] + result.step_errors[name]) / abs(result.summary()[name])
         for name in ("energy", "perimeter")
     }
-    assert max(errors.values()) == pytest.approx(facts["reached"])
+    assert max(errors.values()) <= facts["reached"] * (1 + 1e-9)
     assert facts["reached"] <= 0.02
 
 
@@ -101,21 +100,37 @@ def test_what_is_not_reached_is_said(case, capsys, monkeypatch):
 
 def test_an_estimate_that_another_run_contradicts_is_not_believed():
     key = ("only", "energy")
-    coarse, fine = (Errors({key: value}, {key: 0.01}, {key: 0.0}, {"only": 0}) for value in (1.1, 1.0))
+    coarse, fine = (
+        Errors({key: value}, {key: value}, {key: 0.01}, {key: 0.0}, {"only": 0}) for value in (1.1, 1.0)
+    )
     assert fine.bounds() == {key: SAFETY * 0.01}
     assert fine.bounds([coarse])[key] == pytest.approx(0.1 - SAFETY * 0.01 * 1.1)
 
 
-def trial(elements, error, value=1.0):
+def trial(elements, error, value=1.0, shorter=1.0):
     key = ("only", "energy")
-    errors = Errors({key: value}, {key: error / SAFETY}, {key: 0.0}, {"only": 0})
-    return Trial.judged(Size(elements), errors, [])
+    errors = Errors({key: value}, {key: value}, {key: error / SAFETY}, {key: 0.0}, {"only": 0})
+    return Trial.judged(Size(elements, shorter), errors, [])
+
+
+def test_two_runs_of_errors_of_first_order_tell_them_both():
+    """1 + h/10 with h = 1/3 and 1/6: off by 3.3 and 1.7 %, whatever the estimates say."""
+    coarse, fine = judged_anew([trial(3, 0.001, 1 + 1 / 30), trial(6, 0.001, 1 + 1 / 60)])
+    assert coarse.worst == pytest.approx(1 / 30 / (1 + 1 / 30))
+    assert fine.worst == pytest.approx(1 / 60 / (1 + 1 / 60))
+    near, same = judged_anew([trial(3, 0.001, 1.001), trial(3, 0.001, 1.0, shorter=2.0)])
+    assert near.worst == same.worst == 0.001  # other steps are no other mesh
+
+
+def test_runs_that_differ_in_their_steps_only_have_no_order():
+    runs = [trial(3, 0.04), trial(3, 0.03, shorter=2.0), trial(3, 0.02, shorter=4.0)]
+    assert onward(runs, 0.01, float).elements >= 3.9
 
 
 def test_a_run_before_a_snap_is_refuted_by_two_finer_ones_past_it_and_not_by_one():
     before, past, finer = trial(3, 0.01, 1.08), trial(5, 0.01, 1.11), trial(6, 0.008, 1.113)
     two = judged_anew([before, past])
-    assert [round(one.worst, 3) for one in two] == [0.018, 0.017]  # what the estimates leave of 0.03
+    assert [one.worst for one in two] == pytest.approx([2.5 * 0.03 / 1.08, 1.5 * 0.03 / 1.11])
     three = judged_anew([before, past, finer])
     assert three[0].worst > 0.02
     assert [one.worst for one in three[1:]] == [0.01, 0.008]
@@ -123,15 +138,17 @@ def test_a_run_before_a_snap_is_refuted_by_two_finer_ones_past_it_and_not_by_one
     assert judged_anew([Trial(Size(2)), before])[0].worst == math.inf
 
 
-def test_after_a_run_near_a_limit_of_stability_two_others_must_agree():
+def test_two_runs_finer_than_any_near_a_limit_of_stability_must_agree():
     soft = Trial(Size(3), soft=True)
     assert onward([soft], 0.01, float).elements == pytest.approx(3.9)
-    assert confirmed([trial(3.9, 0.001)])
+    assert not confirmed([trial(3.9, 0.001)])
+    assert confirmed([trial(3, 0.001), trial(3.9, 0.001)])
     assert not confirmed([soft, trial(3.9, 0.001)])
     assert onward([soft, trial(3.9, 0.001)], 0.01, float).elements == pytest.approx(5.07)
     assert confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001)])
-    assert not confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001, value=1.1)])
-    assert confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001, value=1.1), trial(6.6, 0.001, value=1.1)])
+    apart = [soft, trial(3.9, 0.001), trial(5.07, 0.001, value=1.1)]
+    assert best(judged_anew(apart)).worst > 0.2
+    assert best(judged_anew([*apart, trial(6.6, 0.001, value=1.1)])).worst == 0.001
 
 
 def test_a_run_that_is_coarser_than_one_near_a_limit_of_stability_is_not_believed():
@@ -148,7 +165,7 @@ def test_where_every_run_is_near_a_limit_the_finest_is_kept_and_it_is_said(case,
     monkeypatch.setattr(precision, "soft_words", lambda share: "near a limit")
     monkeypatch.setattr(trials, "RUNS", 2)
     told, facts = ran(capsys, "--accuracy", "5%", status=3)
-    assert "no two finer ones agree" in " ".join(told.split())
+    assert "there are no two runs to compare" in " ".join(told.split())
     assert facts["reached"] is None
     assert facts["elements"] == max(chosen(told)) > 3.0
     assert load("results/tiny/only").converged
@@ -172,9 +189,9 @@ def test_the_best_run_is_kept_where_finer_ones_stop(case, capsys):
     assert "run 2, elements=" in told
     assert "no estimate of its errors, scene 'only': The march stopped" in told
     assert facts["elements"] == 3.0
-    assert facts["runs"][0]["reached"] == facts["reached"] > 5e-5
-    assert facts["runs"][1]["reached"] is None
-    assert "was not reached: elements=3, the best run" in " ".join(told.split())
+    assert facts["runs"][0]["reached"] > 5e-5
+    assert facts["runs"][1]["reached"] is facts["reached"] is None
+    assert "was not reached: there are no two runs to compare" in " ".join(told.split())
     kept = load("results/tiny/only")
     assert kept.converged
     assert kept.scene.body.elements_through_cortex == pytest.approx(3.0, rel=0.1)
@@ -248,6 +265,33 @@ def test_the_best_run_of_a_search_that_was_killed_replaces_no_other_result(kille
     said = " ".join(capsys.readouterr().err.split())
     assert "holds the best run of a search that was killed or still runs" in said
     assert before == {path: path.read_bytes() for path in killed.rglob("*") if path.is_file()}
+
+
+LOBED = '''"""A closed cortex whose four shallow dents are sulci or not, as the mesh decides. Seconds."""
+import numpy as np
+
+from turingfold import Elastic, NeoHookean, Scene, TangentialGrowth, outline
+from turingfold import parameters as p
+
+
+def scenes(quick=False, *, elements: p.Elements = 3):
+    angle = np.linspace(0, 2 * np.pi, 240, endpoint=False)
+    points = 0.02 * (1 + 0.08974609375 * np.cos(4 * angle)) * np.array([np.cos(angle), np.sin(angle)])
+    gray, white = NeoHookean.from_young(1389.0, 0.4583), NeoHookean.from_young(1895.0, 0.4583)
+    body, terms = outline(points, thickness=4e-3, elements=elements), (Elastic(gray=gray, white=white),)
+    return {"only": Scene(body=body, terms=terms, processes=(TangentialGrowth(cortex=1.25),))}
+'''
+
+
+@pytest.mark.slow
+def test_a_depth_of_nothing_whose_estimate_is_large_is_not_settled(case, capsys, monkeypatch):
+    """By a mesh of 9 elements there are four sulci, 0.8 mm deep."""
+    case.write_text(LOBED)
+    monkeypatch.setattr(trials, "RUNS", 2)
+    told, facts = ran(capsys, "--accuracy", "1%", status=3)
+    assert "sulcal depth" in told
+    assert facts["reached"] > 0.2  # of the cortical thickness
+    assert load("results/tiny/only").summary()["folds"] == 0
 
 
 LIMIT = {"energy": 0.200149, "perimeter": 0.230963, "gyrification_index": 1.45413, "sulcal_depth": 4.63385e-3}

@@ -98,8 +98,17 @@ SCENES = {
     "bent strip": bent_strip,
     "growth by stress": lambda: elastic_scene(TangentialGrowth(cortex=1.3), StressGrowth(rate=1.0)),
     "incompressible disc": lambda: incompressible(ROLLING),
+    "growth at a clamp": lambda: growing_at_a_clamp(),  # its energy is of order 0.7
     "clamped incompressible disc": lambda: incompressible(None),  # its length converges as h^0.6, at its ends
 }
+
+
+def growing_at_a_clamp():
+    gray, white = NeoHookean.from_young(1.0, 0.48), NeoHookean.from_young(2.0, 0.48)
+    body = semicircle(radius=1.0, thickness=0.25, elements=3)
+    return Scene(
+        body=body, terms=(Elastic(gray=gray, white=white),), processes=(TangentialGrowth(cortex=1.3),)
+    )
 
 
 def incompressible(body):

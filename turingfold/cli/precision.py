@@ -1,9 +1,10 @@
 """turingfold run --accuracy: elements and steps as fine as their estimated errors have to be.
 
 The case is run coarsely; the estimates of its results say how much finer it must be; it is run again, until
-the estimates are as small as asked. Where two runs differ by more than the other's estimate, a run is taken
-to be off by the rest at least. A run that stops, or of whose errors there is no estimate, is followed by a
-finer one. The best run is kept.
+the estimates are as small as asked and two runs on different meshes agree. A run is taken to be off at least
+by what another's estimate leaves of their difference, and by what that tells if errors fall as the size of
+the elements. A run that stops, or of whose errors there is no estimate, is followed by a finer one. The best
+run is kept.
 """
 
 from __future__ import annotations
@@ -244,12 +245,16 @@ def _judged(size: Size, base: Path, plan: Sequence[Planned], ends: Sequence[Outc
             soft = "how near it is to a limit of stability is not known"
         if soft:
             return Trial(size, why=f"scene {one.name!r}: {soft}", soft=True)
-        found += [((one.name, name), summary) for name in summary["errors"] if summary[name]]
+        sizes = {"sulcal_depth": one.scene.body.thickness}  # of a number that is nothing, such as no depth
+        for name in summary["errors"]:
+            if unit := abs(summary[name]) or sizes.get(name, 0.0):
+                found.append(((one.name, name), unit, summary))
         folds[one.name] = summary["folds"]
     return Trial.judged(size, Errors(
-        values={key: summary[key[1]] for key, summary in found},
-        mesh={key: abs(summary["errors"][key[1]] / summary[key[1]]) for key, summary in found},
-        steps={key: abs(summary["step_errors"].get(key[1], 0.0) / summary[key[1]]) for key, summary in found},
+        values={key: summary[key[1]] for key, _, summary in found},
+        units={key: unit for key, unit, _ in found},
+        mesh={key: abs(summary["errors"][key[1]]) / unit for key, unit, summary in found},
+        steps={key: abs(summary["step_errors"].get(key[1], 0.0)) / unit for key, unit, summary in found},
         folds=folds,
     ), [])  # fmt: skip
 
@@ -274,8 +279,8 @@ def _reached(accuracy: float, worst: float, size: Size) -> int:
         return 0
     if not math.isfinite(worst):
         complain(
-            f"--accuracy {_percent(accuracy)} was not reached: a run was near a limit of stability, and no "
-            f"two finer ones agree within their estimates; {size} is kept."
+            f"--accuracy {_percent(accuracy)} was not reached: there are no two runs to compare that ended "
+            f"well, finer than any near a limit of stability; {size} is kept."
         )
         return STOPPED
     complain(

@@ -11,7 +11,8 @@ RUNS = 7
 SAFETY = 1.4  # of what is claimed: estimates of Figure 3 on eleven meshes were short by 1.32 at most
 ROOM = 0.85  # share of the error asked for that is aimed at
 SLOWEST, USUAL, FASTEST = 0.7, 1.0, 3.0  # orders of the error in the size of the elements
-CONFIRMS = 1.3  # times as many elements: a run near a limit of stability needs two others that far apart
+CONFIRMS = 1.3  # times as many elements: how far apart two runs are that are compared
+APART = 1.25  # times as many elements, as rounded, from which on the difference of runs tells their errors
 ANOTHER = 1.12  # times as many elements as the finest run that was no better: errors scatter with the mesh
 Numbers = dict[tuple[str, str], float]  # by scene and name
 
@@ -23,6 +24,16 @@ class Size:
     elements: float
     shorter: float = 1.0
 
+    def share_of_difference(self, other: Size) -> float:
+        """Return the error, in differences to another size, if it falls as the size of the elements.
+
+        0 where they are too close to tell, or differ in their steps.
+        """
+        few, more = sorted((self.elements, other.elements))
+        if self.shorter != other.shorter or more < APART * few:
+            return 0.0
+        return (few if self.elements == more else more) / (more - few)
+
     def __str__(self) -> str:
         steps = f", steps {self.shorter:.3g} times as short" if self.shorter > 1 else ""
         return f"elements={self.elements:g}{steps}"
@@ -32,10 +43,12 @@ class Size:
 class Errors:
     """What the results of a run say of their numbers.
 
-    values: of the numbers that have an estimate.  mesh, steps: errors relative to them.  folds: by scene.
+    values: of the numbers that have an estimate.  units: what errors are relative to, the value or where that
+    is nothing a size of the body.  mesh, steps: relative errors.  folds: by scene.
     """
 
     values: Numbers
+    units: Numbers
     mesh: Numbers
     steps: Numbers
     folds: Mapping[str, int]
@@ -44,19 +57,22 @@ class Errors:
         """Return bounds of the relative errors, no smaller than what those of other runs leave."""
         found = {key: SAFETY * self.mesh[key] + self.steps.get(key, 0.0) for key in self.mesh}
         for other in others:
-            for key, error in other.bounds().items():
-                if key in found:
-                    apart = abs(self.values[key] - other.values[key]) - error * abs(other.values[key])
-                    found[key] = max(found[key], apart / abs(self.values[key]))
+            theirs = other.bounds()
+            for key, apart in self.apart(other).items():
+                found[key] = max(found[key], apart - theirs[key] * other.units[key] / self.units[key])
         return found
+
+    def apart(self, other: Errors) -> Numbers:
+        """Return how far numbers of another run are from these."""
+        both = self.values.keys() & other.values.keys()
+        return {key: abs(self.values[key] - other.values[key]) / self.units[key] for key in both}
 
     def far_from(self, other: Errors) -> bool:
         """Return whether a number differs by more than both estimates."""
         mine, theirs = self.bounds(), other.bounds()
         return any(
-            abs(self.values[key] - other.values[key])
-            > mine[key] * abs(self.values[key]) + theirs[key] * abs(other.values[key])
-            for key in mine.keys() & theirs.keys()
+            apart > mine[key] + theirs[key] * other.units[key] / self.units[key]
+            for key, apart in self.apart(other).items()
         )
 
 
@@ -86,16 +102,22 @@ class Trial:
     def bounds(self, others: Sequence[Trial]) -> Numbers:
         """Return bounds of the relative errors by this run and by others, without those that are refuted.
 
-        A run is refuted where two finer ones lie farther from it than both estimates say: it may have ended
-        before a snap which they are past.
+        They are no smaller than what the difference of two meshes tells, if errors fall as the size of the
+        elements. A run is refuted where two finer ones lie farther from it than both estimates say: it may
+        have ended before a snap which they are past.
         """
         assert self.errors is not None
         judges = [one for one in (*others, self) if one.errors is not None]
         left = [
-            one.errors for one in judges
-            if one is not self and one.errors is not None and sum(one.refuted_by(o) for o in judges) < 2
+            one for one in judges if one is not self and sum(one.refuted_by(o) for o in judges) < 2
         ]  # fmt: skip
-        return self.errors.bounds(left)
+        found = self.errors.bounds([one.errors for one in left if one.errors is not None])
+        for one in left:
+            assert one.errors is not None
+            share = self.size.share_of_difference(one.size)
+            for key, apart in self.errors.apart(one.errors).items():
+                found[key] = max(found[key], share * apart)
+        return found
 
     def refuted_by(self, other: Trial) -> bool:
         """Return whether a finer run lies farther from this one than both estimates say."""
@@ -131,21 +153,13 @@ def best(trials: Sequence[Trial]) -> Trial:
 
 
 def confirmed(trials: Sequence[Trial]) -> bool:
-    """Return whether the runs that have an estimate are enough to be believed.
+    """Return whether there are two runs to compare, both finer than any near a limit of stability.
 
-    One is, but where a run was near a limit of stability two finer ones have to agree: another mesh may be
-    past the limit by chance.
+    One mesh may be before or past a snap by chance, and an estimate on it knows nothing of that.
     """
     least = _finest_soft(trials)
-    judged = [(one.size.elements, one.errors) for one in trials if one.errors is not None]
-    finer = [(elements, errors) for elements, errors in judged if elements > least]
-    if not least:
-        return bool(finer)
-    return any(
-        more > (CONFIRMS - 0.05) * few and not one.far_from(other)
-        for few, one in finer
-        for more, other in finer
-    )
+    finer = [one.size.elements for one in trials if one.errors is not None and one.size.elements > least]
+    return bool(finer) and max(finer) >= APART * min(finer)
 
 
 def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], float]) -> Size | None:
@@ -156,13 +170,14 @@ def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], 
     if len(trials) == RUNS:
         return None
     own, finest = best(trials), max(trial.size.elements for trial in trials)
-    if _finest_soft(trials) and not confirmed(trials):
-        wanted = Size(allowed(CONFIRMS * finest), own.size.shorter)
-    elif own.errors is None:
-        wanted = Size(allowed(ANOTHER * finest), own.size.shorter)
+    soft = _finest_soft(trials) > 0
+    if own.errors is None:
+        wanted = Size(allowed((CONFIRMS if soft else ANOTHER) * finest), own.size.shorter)
     else:
         wanted = _expected(own, _order(trials), accuracy, allowed)
-        if wanted.shorter == own.size.shorter and wanted.elements <= finest:  # such a run was no better
+        if not confirmed(trials):
+            wanted = replace(wanted, elements=max(wanted.elements, allowed(CONFIRMS * finest)))
+        elif wanted.shorter == own.size.shorter and wanted.elements <= finest:  # such a run was no better
             wanted = Size(allowed(ANOTHER * finest), wanted.shorter)
     return None if wanted in [trial.size for trial in trials] else wanted
 
@@ -185,7 +200,7 @@ def _order(trials: Sequence[Trial]) -> float:
     if len(judged) < 2 or judged[0].size.elements == judged[-1].size.elements:
         return USUAL
     one, other = judged[0], best(judged)
-    if one is other:
+    if one is other or one.size.elements == other.size.elements:  # the best may differ in its steps only
         return SLOWEST
     assert one.errors is not None
     assert other.errors is not None
