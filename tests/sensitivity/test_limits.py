@@ -8,11 +8,14 @@ from skfem import MeshTri2
 from small import elastic_scene, folding_scene
 
 from turingfold import (
+    ActiveStress,
+    AxonalTension,
     BoundaryLoads,
     Elastic,
     GrowthMap,
     Imperfection,
     NeoHookean,
+    PatternMap,
     Scene,
     Stepping,
     TangentialGrowth,
@@ -125,10 +128,88 @@ def test_a_parameter_between_two_near_limits_is_refused_by_name():
 
 def test_a_kink_in_a_parameter_is_told():
     """A load that is there in full when the scene ends: later it is less, sooner no more."""
-    load = BoundaryLoads(places=(0.3,), forces=((0.0, -0.02),), width=0.25, ramp=1.0)
-    made = elastic_scene()
-    found = sensitivity(simulate(replace(made, terms=(*made.terms, load))), to=("BoundaryLoads.ramp",))
+    found = sensitivity_to_the_ramp(1.0)
     assert found.errors[0] == pytest.approx(1.0, abs=0.01)
+    assert found.ranges[0] == 0.0
+    assert "BoundaryLoads.ramp: forces do not change smoothly" in found.text()
+
+
+def sensitivity_to_the_ramp(ramp):
+    load = BoundaryLoads(places=(0.3,), forces=((0.0, -0.02),), width=0.25, ramp=ramp)
+    made = elastic_scene()
+    result = simulate(replace(made, terms=(*made.terms, load)))
+    if ramp < 1:
+        return sensitivity(result, to=("BoundaryLoads.ramp",))
+    with pytest.warns(UserWarning, match="BoundaryLoads.ramp: forces do not change smoothly"):
+        return sensitivity(result, to=("BoundaryLoads.ramp",))
+
+
+@pytest.mark.parametrize(("ramp", "reach"), [(0.8, 0.25), (0.4, np.inf)])
+def test_what_changes_nothing_nearby_does_so_until_it_begins_to_act(ramp, reach):
+    """The load is there in full from the time `ramp` on, which begins to matter where that is the end."""
+    found = sensitivity_to_the_ramp(ramp)
+    assert np.abs(found.derivatives).max() < 1e-15  # the energy is 1e-2
+    assert found.ranges[0] == pytest.approx(reach, abs=1e-4)
+
+
+def ends(make, value):
+    summary = simulate(make(value)).summary()
+    return np.array([summary["perimeter"], summary["energy"]])
+
+
+def active(depth):
+    made = elastic_scene()
+    return replace(made, terms=(*made.terms, ActiveStress(stress=0.3, depth=(0.5, depth))))
+
+
+def test_a_parameter_that_acts_in_steps_is_refused_by_name():
+    """Integration points come into the layer one after the other, and nothing changes between."""
+    points = np.unique(active(1.5).body.relative_depth)
+    value = 0.5 * (points[points < 1.5][-1] + points[points > 1.5][0])  # between two of them
+    result = simulate(active(value))
+    at, near, far = (ends(active, value * share) for share in (1.0, 1.0 + 1e-3, 1.1))
+    np.testing.assert_array_equal(at, near)
+    assert abs(far[1] / at[1] - 1) > 1e-3
+    for ask in (sensitivity, adjoint_sensitivity):
+        with pytest.raises(ValueError, match=r"ActiveStress\.depth\.1 acts in steps: .*, where they jump"):
+            ask(result, to=("ActiveStress.depth.1",))
+    assert sensitivity(result, to=("ActiveStress.stress",)).ranges[0] > 0.1
+
+
+def node_near_the_middle():
+    """Return the share of the pial surface at which a node of the cortex lies, next to a half."""
+    shares = PatternMap(values=(0.0, 1.0), places=(0.0, 1.0)).on(elastic_scene().body).pattern
+    return float(shares[np.abs(shares - 0.4999).argmin()])
+
+
+def pulled(place):
+    pattern = PatternMap(values=(0.0, 1.0, 0.3, 0.9, 0.1), places=(0.0, 0.2, place, 0.75, 1.0))
+    pull, processes = AxonalTension(strength=0.1), (pattern, TangentialGrowth(cortex=1.25))
+    made = elastic_scene()
+    return replace(made, terms=(*made.terms, pull), processes=processes)
+
+
+def test_where_both_sides_differ_the_linear_answer_is_good_for_nothing():
+    """A pattern's kink lies at a node of the cortex: slopes to either side are of scenes run again."""
+    value, h = node_near_the_middle(), 5e-4
+    below, at, above = (ends(pulled, value + move) for move in (-h, 0.0, h))
+    slopes = np.array([at - below, above - at]) / h
+    mean = slopes.mean(0)
+    assert (np.abs(slopes - mean) > 0.1 * np.abs(mean)).all()
+    result = simulate(pulled(value))
+    for ask in (adjoint_sensitivity, sensitivity):
+        with pytest.warns(UserWarning, match=r"PatternMap\.places\.2: forces do not change smoothly"):
+            found = ask(result, to=("PatternMap.places.2",), of=("perimeter", "energy"))
+        assert found.derivatives[:, 0] == pytest.approx(mean, rel=0.05)
+    assert found.ranges[0] == 0.0
+    assert found.jumps[:, 0] == pytest.approx(np.abs(np.diff(slopes, axis=0)[0]) / 2, rel=0.05)
+
+
+def test_the_linear_answer_is_good_up_to_a_kink_beside_it():
+    beside = node_near_the_middle() + 4e-4
+    found = sensitivity(simulate(pulled(beside)), to=("PatternMap.places.2",))
+    assert found.errors[0] < 1e-4
+    assert 3e-4 < found.ranges[0] * beside < 6e-4
 
 
 @pytest.mark.parametrize(

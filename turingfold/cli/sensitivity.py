@@ -32,7 +32,6 @@ COLUMNS = (
     "scene", "measure", "measure_unit", "number", "parameter", "parameter_unit", "value", "derivative",
     "per_cent_per_per_cent", "force_error", "good_for", "kink",
 )  # fmt: skip
-ROUGH = 1e-2  # relative error of a derivative of forces that is told
 
 
 @dataclass(frozen=True)
@@ -136,9 +135,6 @@ def _parameters(name: str, scene: Scene, asked: Asked) -> tuple[str, ...]:
 def _told(name: str, one: Sensitivity) -> Iterator[str]:
     yield f"{name}:"
     yield one.text()
-    for parameter, error in zip(one.parameters, one.errors, strict=True):
-        if error > ROUGH:
-            yield f"{parameter}: the forces do not change smoothly with it; its numbers err by {error:.0%}"
     if one.negative_pivots:
         yield f"this state is unstable: its tangent has {one.negative_pivots} negative pivots"
 

@@ -14,9 +14,11 @@ import numpy as np
 from ..arrays import Array
 from ..results.result import Result
 from ..solve.threads import one_thread
+from .change import warn_of_rough
 from .measures import MEASURES, Measure, gradient_of, measures_of, numbers_at
 from .parameters import counted, values_in
 from .tangent import Equilibrium
+from .validity import MISSED
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,7 @@ def adjoint_sensitivity(
     `sensitivity` has one a parameter, as with a map of growth; it does not say how far they hold. Depths and
     functions of one's own are taken apart by differences, four evaluations for each pial displacement.
     to, of: as in `sensitivity`; without `to` only the effect of forces is computed.
-    Raises ValueError and NotConvergedError as `sensitivity` does.
+    Raises and warns as `sensitivity` does.
     """
     here = Equilibrium.of(result, step)
     values = values_in(result.scene, to)
@@ -73,6 +75,9 @@ def adjoint_sensitivity(
         found = here.change(parameter)
         derivatives[:, k] = own * found.energy - adjoints @ found.gradient
         errors[k] = found.error
+        lost = own * found.lost_energy + np.abs(adjoints @ found.lost)
+        if (lost > MISSED * np.abs(derivatives[:, k])).any():
+            warn_of_rough([parameter], errors[[k]])
     return AdjointSensitivity(
         parameters=tuple(to), values=values, measures=tuple(measures),
         numbers=numbers_at(result, measures, here.x, here.at.energy),

@@ -8,7 +8,9 @@ are. At a limit of its part, as a Poisson's ratio of 0, the parameter goes the o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +24,10 @@ from .parameters import CENTRAL, FORWARD, STEP, changed_in, number_of
 ROUNDED = 1e-6  # an error of ∂g/∂p beyond which other steps are tried, for what bends more or is next to 0
 TINY = 1e-9  # a parameter that is next to 0
 ROUND_OFF = 1e-13  # share of its part's forces below which a change of them is none
+ROUGH = 1e-2  # an error of ∂g/∂p that is told
+FAR = (0.1, -0.1, 0.5, -0.5)  # changes, relative, at which it is seen whether what changes no force ever does
+ONSET = 1e-6  # of itself within which the value is found from which on it does
+JUMP = 1e-2  # share of the change of forces that comes at once there, beyond which it acts in steps
 # weights over h of differences of fourth order, of coarser ones, and of what a kink leaves
 BOTH = ((1 / 6, -4 / 3, 0.0, 4 / 3, -1 / 6), (0.0, -1.0, 0.0, 1.0, 0.0), (-0.5, 2.0, -3.0, 2.0, -0.5))
 ONE = ((-25 / 6, 8.0, -6.0, 8 / 3, -0.5), (-11 / 3, 6.0, -3.0, 2 / 3, 0.0), (0.0,) * 5)
@@ -31,11 +37,18 @@ Still = dict[tuple[int, ...], Array]  # forces and energy of some terms as they 
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """∂g/∂p, (2 n_nodes,), and ∂E/∂p at a fixed displacement.  error: of ∂g/∂p, relative."""
+    """∂g/∂p, (2 n_nodes,), and ∂E/∂p at a fixed displacement.  error: of ∂g/∂p, relative.
+
+    lost, lost_energy: by how much they may err, as by half of what the two sides of a kink differ.
+    reach: of what changes no force, the share of itself within which it changes none, if that is known.
+    """
 
     gradient: Array
     energy: float
     error: float
+    lost: Array
+    lost_energy: float
+    reach: float = float("inf")
 
 
 def change(
@@ -44,13 +57,16 @@ def change(
     """Return how forces and energy at x change with a parameter, "Part.name".
 
     state: the fields at x; those that the parameter changes are made anew.  still: kept between parameters.
-    Raises ValueError for what is no number of a part, and where the part takes no values beside it.
+    Raises ValueError for what is no number of a part, where the part takes no values beside it, and for what
+    acts in steps, as a depth that takes one integration point after another into a layer.
     """
     value = number_of(problem.scene, parameter)
     at = _At(problem, state, x, step, parameter, value, {} if still is None else still)
     found = at.change(STEP * abs(value) if value else STEP)
-    if not value or (found.error <= ROUNDED and abs(value) >= TINY):
+    if not value:
         return found
+    if found.error <= ROUNDED and abs(value) >= TINY:
+        return found if found.gradient.any() else replace(found, reach=at.reach())
     for h in (0.1 * STEP * abs(value), STEP):
         try:
             other = at.change(h)
@@ -59,6 +75,22 @@ def change(
         if other.gradient.any() and (other.error < found.error or not found.gradient.any()):
             found = other
     return found
+
+
+def rough_words(parameters: Sequence[str], errors: Array) -> list[str]:
+    """Return what to say of parameters with which forces do not change smoothly; errors: of ∂g/∂p, (p,)."""
+    return [
+        f"{name}: forces do not change smoothly with it, to one side of its value by as much as {error:.0%} "
+        "otherwise; run the scene with values beside it"
+        for name, error in zip(parameters, errors, strict=True)
+        if error > ROUGH
+    ]
+
+
+def warn_of_rough(parameters: Sequence[str], errors: Array) -> None:
+    """Warn of parameters with which forces do not change smoothly."""
+    for words in rough_words(parameters, errors):
+        warnings.warn(words, stacklevel=4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +121,37 @@ class _At:
             f"below it, which are refused: {'; '.join(dict.fromkeys(refusals[1:]))}"
         )
 
+    def reach(self) -> float:
+        """Return the share of itself within which what changes no force here changes none; inf: unknown.
+
+        Raises ValueError where forces then jump: derivatives are 0 almost everywhere, and say nothing.
+        """
+        nearest = float("inf")
+        for share in FAR:
+            inside, outside = 0.0, share
+            if not (most := self._moved(share)):
+                continue
+            while abs(outside - inside) > ONSET:
+                middle = 0.5 * (inside + outside)
+                inside, outside = (inside, middle) if self._moved(middle) else (middle, outside)
+            if self._moved(outside) > JUMP * most:
+                raise ValueError(
+                    f"{self.parameter} acts in steps: forces are the same from {self.value:g} to "
+                    f"{(1 + outside) * self.value:.4g}, where they jump, so that no derivative says "
+                    "anything; run the scene with values that lie far apart."
+                )
+            nearest = min(nearest, abs(inside))
+        return nearest
+
+    def _moved(self, share: float) -> float:
+        """Return by how much forces change with a share of the value, N/m; 0: round-off, or it is refused."""
+        try:
+            forces = self._forces([0.0, share * self.value])[:, :-1]
+        except ValueError:
+            return 0.0
+        moved = float(np.linalg.norm(forces[1] - forces[0]))
+        return moved if moved > ROUND_OFF * float(np.linalg.norm(forces, axis=1).max()) else 0.0
+
     def _differences(
         self, h: float, places: tuple[float, ...], rule: tuple[tuple[float, ...], ...]
     ) -> Change:
@@ -97,9 +160,11 @@ class _At:
         found, rough, kink = (np.array(weights) @ forces / h for weights in rule)
         size = float(np.linalg.norm(found[:-1]))
         if size * abs(h) <= ROUND_OFF * float(np.linalg.norm(forces[:, :-1], axis=1).max()):
-            return Change(np.zeros_like(found[:-1]), float(found[-1]), 0.0)
-        lost = max(float(np.linalg.norm(one[:-1])) for one in (found - rough, kink))
-        return Change(found[:-1], float(found[-1]), lost / size)
+            still = np.zeros_like(found[:-1])
+            return Change(still, float(found[-1]), 0.0, still, 0.0)
+        lost = max(found - rough, kink, key=lambda one: float(np.linalg.norm(one[:-1])))
+        error = float(np.linalg.norm(lost[:-1])) / size
+        return Change(found[:-1], float(found[-1]), error, lost[:-1], abs(float(lost[-1])))
 
     def _forces(self, moves: list[float]) -> Array:
         """Return forces and energy with the parameter moved, (moves, 2 n_nodes + 1).

@@ -16,12 +16,14 @@ from ..arrays import Array
 from ..checks import finite_array
 from ..results.result import Result
 from ..solve.threads import one_thread
+from .change import rough_words, warn_of_rough
 from .measures import MEASURES, Measure, measures_of, numbers_at, rate_along
 from .parameters import counted, values_in
 from .tangent import Equilibrium
 from .validity import MISSED, range_of
 
 ROUGH = 1e-2  # share of a measure's largest derivative that its kinks leave open, beyond which it is told
+UNSEEN = 1e-9  # share of a measure that is no change of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,10 +32,12 @@ class Sensitivity:
 
     parameters, values: what they are with respect to, p of them.  measures, numbers: what of, m of them.
     derivatives: (m, p).  jumps: by how much they may err where a measure jumps or has a kink, as the depth
-    where a sulcus comes to count, (m, p).  displacement: dx/dp, (p, 2, n_nodes); m per unit of the parameter.
+    where a sulcus comes to count, or forces have one in the parameter, (m, p).
+    displacement: dx/dp, (p, 2, n_nodes); m per unit of the parameter.
     errors: of ∂g/∂p, relative, (p,).  negative_pivots: of the tangent; 0 at a minimum.
     ranges: by what share of itself each parameter may change until dx/dp misses a tenth of the displacement,
-    (p,), at most 1.  stability: lowest eigenvalue of the tangent over that at the scene's start; 0: a snap.
+    whichever way, (p,), at most 1; 0 at a kink of which the sides differ by more.
+    stability: lowest eigenvalue of the tangent over that at the scene's start; 0: a snap.
     """
 
     parameters: tuple[str, ...]
@@ -84,9 +88,10 @@ class Sensitivity:
         largest, open_ = (np.abs(own * self.values).max(1) for own in (self.derivatives, self.jumps))
         lines += [
             f"{name} jumps or has a kink here: its numbers may err by as much as {lost:.2g} of {size:.2g}"
-            for name, lost, size in zip(self.measures, open_, largest, strict=True)
-            if lost > ROUGH * size
+            for name, number, lost, size in zip(self.measures, self.numbers, open_, largest, strict=True)
+            if lost > max(ROUGH * size, UNSEEN * abs(number))
         ]
+        lines += rough_words(self.parameters, self.errors)
         return "\n".join(lines)
 
 
@@ -101,7 +106,8 @@ def sensitivity(
     of: "gyrification_index", "perimeter" (m), "sulcal_depth" (m), "energy" (J/m), or functions of the pial
     points (2, n) in m.
     Raises ValueError for scenes whose state depends on the way to it (drag, inertia, growth by stress,
-    patterns that evolve) and for what is no parameter; NotConvergedError for a state that is no equilibrium.
+    patterns that evolve), for what is no parameter, and for those that act in steps; NotConvergedError for a
+    state that is no equilibrium. Warns of parameters with a kink that leaves the answer good for nothing.
     """
     here = Equilibrium.of(result, step)
     if not len(to):
@@ -116,17 +122,30 @@ def sensitivity(
         else [rate_along(result, measure, here.x, move) for move in moves]
         for measure in measures.values()
     ]
-    derivatives = np.array(rows).reshape(len(measures), len(to), 2)
-    factors = here.tangent.factors
+    derivatives, jumps = np.moveaxis(np.array(rows).reshape(len(measures), len(to), 2), -1, 0)
+    factors, errors = here.tangent.factors, np.array([found.error for found in changes])
+    ranges = np.array([
+        min(range_of(here.problem, here.state, move, name, here.step, factors), found.reach)
+        for name, move, found in zip(to, moves, changes, strict=True)
+    ])  # fmt: skip
+    numbers = numbers_at(result, measures, here.x, here.at.energy)
+    for k in np.flatnonzero(errors > ROUGH):
+        beside = here.tangent.solve(changes[k].lost)
+        lost = np.array([
+            changes[k].lost_energy if measure is None else abs(rate_along(result, measure, here.x, beside)[0])
+            for measure in measures.values()
+        ])  # fmt: skip
+        jumps[:, k] = np.maximum(jumps[:, k], lost)
+        seen = lost * abs(values[k]) > UNSEEN * np.abs(numbers)
+        differ = seen & (lost > MISSED * np.abs(derivatives[:, k]))
+        if differ.any() or np.linalg.norm(beside) > MISSED * np.linalg.norm(moves[k]):
+            ranges[k] = 0.0
+    warn_of_rough(to, np.where(ranges == 0, errors, 0.0))
     return Sensitivity(
         parameters=tuple(to), values=values, measures=tuple(measures),
-        numbers=numbers_at(result, measures, here.x, here.at.energy),
-        derivatives=derivatives[..., 0], jumps=derivatives[..., 1],
+        numbers=numbers,
+        derivatives=derivatives, jumps=jumps,
         displacement=moves.reshape(len(to), -1, 2).swapaxes(1, 2),
-        errors=np.array([found.error for found in changes]), negative_pivots=factors.negative,
-        ranges=np.array([
-            range_of(here.problem, here.state, move, name, here.step, factors)
-            for name, move in zip(to, moves, strict=True)
-        ]),
+        errors=errors, negative_pivots=factors.negative, ranges=ranges,
         stability=here.stability,
     )  # fmt: skip

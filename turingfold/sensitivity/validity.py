@@ -6,6 +6,8 @@ body at x + δ dx/dp misses the new equilibrium by about K⁻¹ g(x + δ dx/dp, 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..arrays import Array
@@ -19,10 +21,11 @@ from .change import fields_of, operators_of
 from .parameters import changed_in, number_of
 
 MISSED = 0.1  # share of a displacement that the linear answer may miss
+NEARLY = 0.8, 1.25  # shares of that which will do
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
 STILL = 1e-12  # thicknesses that are no motion
 TRIALS, LONGEST = 6, 2.0  # at most; and by how much the later ones may go farther each
-REFUSALS = 40  # of trials, at most
+REFUSALS = 20  # of trials, at most
 POWERS = 40  # of the inverse: the lowest eigenvalue is then known to a few per cent
 ALIKE = 1e-3  # relative change of it at which they end
 
@@ -44,29 +47,45 @@ def range_of(
 ) -> float:
     """Return by what share of itself a parameter may change until the linear answer misses MISSED.
 
-    Of the displacement, in its nodes' norm; first by the second order, from a small trial, then by trials at
-    the range itself, where walls may have met. move: dx/dp, (2 n_nodes,).  At most 1; infinite where nothing
-    moves, NaN of a parameter that is 0, 0 where not the least change is admissible.
+    Of the displacement, in its nodes' norm, whichever way it changes; first by the second order, from a small
+    trial, then by trials at the range itself, where walls may have met, or beside which a kink may lie.
+    move: dx/dp, (2 n_nodes,).  At most 1; infinite where nothing moves, NaN of a parameter that is 0, 0 where
+    not the least change is admissible or as good.
     """
     value, largest = number_of(problem.scene, parameter), float(np.abs(move).max())
     if not value:
         return float("nan")
     if abs(value) * largest <= STILL * problem.scene.body.thickness:  # as much again moves nothing
         return float("inf")
-    change, known, refused = SMALL * problem.scene.body.thickness / largest, 0, 0
-    change = min(change, abs(value))
+
+    def share_at(change: float) -> float | None:
+        ways = (_missed(problem, state, way * change, move, parameter, step, factors) for way in (1, -1))
+        return max((share for share in ways if share is not None), default=None)
+
+    first = min(SMALL * problem.scene.body.thickness / largest, abs(value))
+    return _good(share_at, first, abs(value)) / abs(value)
+
+
+def _good(share_at: Callable[[float], float | None], change: float, most: float) -> float:
+    """Return the largest change tried at which the answer misses about MISSED or less, 0 without one.
+
+    share_at: what it misses; None for what is not admissible.  change: to begin with; most: the largest.
+    """
+    known, refused, good = 0, 0, 0.0
     while known < TRIALS and refused < REFUSALS:
-        share = _missed(problem, state, change, move, parameter, step, factors)
-        if share is None:  # a limit of its part, or of the body: the other way, then less far
-            change *= -1.0 if refused % 2 == 0 else 0.5
+        share = share_at(change)
+        if share is None:  # a limit of its part, or of the body, to both sides
+            change *= 0.5
             refused += 1
             continue
-        if known and 0.8 * MISSED < share < 1.25 * MISSED:
-            break
+        if share < NEARLY[1] * MISSED:
+            good = max(good, change)
+            if known and share > NEARLY[0] * MISSED:
+                break
         change *= min(MISSED / max(share, 1e-300), LONGEST if known else np.inf)
-        change = float(np.clip(change, -abs(value), abs(value)))  # more than as much again is no small change
+        change = min(change, most)  # more than as much again is no small change
         known += 1
-    return abs(change / value) if known else 0.0
+    return good
 
 
 def _missed(
