@@ -222,7 +222,7 @@ def draw_disc(axes, runs):
         label = f"onset of buckling{name}, order {order(chosen, errors):.1f}"
         axes.loglog(times, errors, "s-", label=label)
         for n, *at in zip(chosen, times, errors, strict=True):
-            axes.annotate(n, at, xytext=(4, 4) if mesh else (-9, -9), textcoords="offset points", fontsize=8)
+            axes.annotate(n, at, xytext=(8, 3) if mesh else (-12, -8), textcoords="offset points", fontsize=8)
     axes.set_title(f"growing disc; it buckles at {exact:.5f}")
     axes.set_ylabel("relative error")
 
@@ -250,7 +250,9 @@ def draw_folded(axes, runs, slender):
             print(f"{n} across, {along * n} along: {seconds(run):.3g} s   {shown}")
     for n, time, error in zip(slender, times, worst, strict=True):
         words = f"{n}, the default" if n == DEFAULT else str(n)
-        axes.annotate(words, (time, error), xytext=(4, -10), textcoords="offset points", fontsize=8)
+        axes.annotate(
+            words, (time, error), xytext=(-6, -12), textcoords="offset points", fontsize=8, ha="right"
+        )
     folds = sorted({run.summary()["folds"] for run in runs.values()})
     words = f"energy {exact[0]:.4g} J/m, index {exact[1]:.3f}, depth {exact[2]:.3f} T"
     title = f"half of Figure 3, {' or '.join(map(str, folds))} sulci; {finest} elements:"
