@@ -91,10 +91,11 @@ def open_unlinked(path: Path, flags: int) -> int:
     return os.open(path, os.O_WRONLY | flags | NO_LINK | getattr(os, "O_BINARY", 0), 0o666)
 
 
-def write_whole(path: Path, content: bytes, *, make_folder: bool = True) -> None:
+def write_whole(path: Path, content: bytes, *, make_folder: bool = True, lasting: bool = True) -> None:
     """Write a file so that at any moment either the old or the new content is there.
 
-    make_folder: whether to make the folder that is to hold it.
+    make_folder: whether to make the folder that is to hold it.  lasting: whether it is to be on the disk, in
+    case that the power fails, before this returns; what is soon written anew need not be.
     Raises OutputError where the disk is full or the folder cannot be written.
     """
     temporary = path.with_name(f".{secrets.token_hex(8)}.part")
@@ -104,8 +105,9 @@ def write_whole(path: Path, content: bytes, *, make_folder: bool = True) -> None
                 path.parent.mkdir(parents=True, exist_ok=True)
             with os.fdopen(open_unlinked(temporary, os.O_CREAT | os.O_EXCL), "wb") as file:
                 file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
+                if lasting:
+                    file.flush()
+                    os.fsync(file.fileno())
             temporary.replace(path)
     except OutputError:
         with suppress(OSError):

@@ -133,10 +133,10 @@ class ResultFolder:
             if place != self.path and place.is_symlink():
                 raise OSError(errno.ELOOP, "it is a link")
 
-    def _write(self, name: str, content: bytes) -> None:
+    def _write(self, name: str, content: bytes, *, lasting: bool = True) -> None:
         file = self.path / name
         self._check(file.parent)
-        write_whole(file, content, make_folder=False)
+        write_whole(file, content, make_folder=False, lasting=lasting)
 
     def _clear(self, *patterns: str, after: int = -1) -> None:
         """Remove files, numbered ones only of steps after one."""
@@ -268,7 +268,7 @@ class ResultFolder:
         from .vtu import index
 
         frames = ((time, f"frames/{step:06d}.vtu") for step, time in self._times.items())
-        self._write("frames.pvd", index(frames, self._identity.comment))
+        self._write("frames.pvd", index(frames, self._identity.comment), lasting=False)
 
     def save(
         self, progress: Progress, step: int, seconds: float, seconds_by_part: Mapping[str, float]
