@@ -152,6 +152,16 @@ def test_what_changes_nothing_nearby_does_so_until_it_begins_to_act(ramp, reach)
     assert found.ranges[0] == pytest.approx(reach, abs=1e-4)
 
 
+def test_what_changes_round_off_only_has_no_kink():
+    load = BoundaryLoads(places=(0.3,), forces=((0.0, -1e-13),), width=0.25, ramp=1.0)
+    made = elastic_scene()
+    found = sensitivity(simulate(replace(made, terms=(*made.terms, load))), to=("BoundaryLoads.ramp",))
+    assert found.errors[0] == pytest.approx(1.0, abs=0.01)
+    assert np.abs(found.derivatives).max() < 1e-12
+    assert found.ranges[0] == np.inf
+    assert "smoothly" not in found.text()
+
+
 def ends(make, value):
     summary = simulate(make(value)).summary()
     return np.array([summary["perimeter"], summary["energy"]])

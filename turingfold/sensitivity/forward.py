@@ -91,7 +91,7 @@ class Sensitivity:
             for name, number, lost, size in zip(self.measures, self.numbers, open_, largest, strict=True)
             if lost > max(ROUGH * size, UNSEEN * abs(number))
         ]
-        lines += rough_words(self.parameters, self.errors)
+        lines += rough_words(self.parameters, np.where(np.isinf(self.ranges), 0.0, self.errors))
         return "\n".join(lines)
 
 
@@ -135,8 +135,10 @@ def sensitivity(
             changes[k].lost_energy if measure is None else abs(rate_along(result, measure, here.x, beside)[0])
             for measure in measures.values()
         ])  # fmt: skip
-        jumps[:, k] = np.maximum(jumps[:, k], lost)
         seen = lost * abs(values[k]) > UNSEEN * np.abs(numbers)
+        if np.isinf(ranges[k]) and not seen.any():  # what it changes is round-off
+            continue
+        jumps[:, k] = np.maximum(jumps[:, k], lost)
         differ = seen & (lost > MISSED * np.abs(derivatives[:, k]))
         if differ.any() or np.linalg.norm(beside) > MISSED * np.linalg.norm(moves[k]):
             ranges[k] = 0.0

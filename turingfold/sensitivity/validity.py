@@ -23,7 +23,7 @@ from .parameters import changed_in, number_of
 MISSED = 0.1  # share of a displacement that the linear answer may miss
 NEARLY = 0.8, 1.25  # shares of that which will do
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
-STILL = 1e-12  # thicknesses that are no motion
+STILL = 1e-9  # thicknesses that are no motion
 TRIALS, LONGEST = 6, 2.0  # at most; and by how much the later ones may go farther each
 REFUSALS = 20  # of trials, at most
 POWERS = 40  # of the inverse: the lowest eigenvalue is then known to a few per cent
