@@ -35,6 +35,7 @@ APART = 0.05  # of dhat, which chords always keep between them
 SOON = 3.0  # shortest distances between nodes: edges this close get places in the matrix
 FEWEST, MOST = 4, 32  # chords of an edge
 MISSED = 1.0  # times what chords keep apart: they miss a bent edge by no more before it is made of more
+RECENT = 3  # walls of other numbers of chords that are kept
 CHORDS = "contact_chords"  # of each edge, as a state was found, (1, m)
 
 
@@ -134,6 +135,7 @@ class ContactOperator(Operator):
         lengths = np.hypot(*(self.rest[self.edges[2]] - self.rest[self.edges[0]]).T)
         self.counts = self._counts(BEND * lengths, 0.5)
         self.walls = self._walls(self.counts)
+        self._recent: list[Walls] = []  # of other numbers of chords, the last first
         self.barriers = (
             creases(self.edges, tissue_left(body, boundary), self.rest, term.gap, term.stiffness),
             inversion(np.searchsorted(self.nodes, bounding(body, boundary)), self.rest, term.stiffness),
@@ -197,7 +199,13 @@ class ContactOperator(Operator):
 
     def made_of(self, numbers: Integers) -> Walls:
         """Return the walls, each edge made of so many chords, (m,)."""
-        return self.walls if (numbers == self.counts).all() else self._walls(numbers)
+        if (numbers == self.counts).all():
+            return self.walls
+        walls = next((walls for walls in self._recent if (walls.counts == numbers).all()), None)
+        if walls is None:
+            walls = self._walls(numbers.copy())
+            self._recent = [walls, *self._recent[: RECENT - 1]]
+        return walls
 
 
 @dataclass(frozen=True)
