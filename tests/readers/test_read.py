@@ -2,6 +2,7 @@
 
 import os
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -101,6 +102,19 @@ def test_a_header_in_latin_1_is_read(tmp_path):
         ("# coordinates (cm)", 1e-2),
         ("# all points [m]", 1.0),
         ("# scale: mm", 1e-3),
+        ("# scale (in)", 0.0254),
+        ("# scale in mm", 1e-3),
+        ("# scale is in mm", 1e-3),
+        ("# the scale in the image is arbitrary", 0),
+        ("# drawn to scale in Inkscape", 0),
+        ("# scale: in the image", 0),
+        ("x,y\n# lengths to scale in mm", 1e-3),
+        ("# units are in mm", 1e-3),
+        ("# coordinates after rigid alignment (in)", 0),
+        ("# points (in)", 0.0254),
+        ("x (mm),y (mm)\n# pixel spacing 0.1 mm", 1e-3),
+        ("# units: mm\n# traced at resolution 0.05 mm", 1e-3),
+        ("Traced in Fiji at 0.1 mm per pixel\nx (mm),y (mm)", 1e-3),
         ("# mm units", 1e-3),
         ("xmm,ymm", 1e-3),
         ("xin,yin", 0.0254),
@@ -135,6 +149,10 @@ def test_the_unit_is_that_of_the_header(tmp_path, header, unit):
         ("# 1 px = 0.05 mm", "0.05 mm"),
         ("# pixel spacing 0.1 mm, traced by hand", "0.1 mm"),
         ("# 0.1 mm / pixel", "0.1 mm"),
+        ("Traced in Fiji, pixel spacing 0.1 mm\nx,y", "0.1 mm"),
+        ("# all points in mm\n# pixel spacing 0.1 mm", "0.1 mm"),
+        ("x_px,y_px\n# 1 px = 0.1 mm", "px"),
+        ("# units: in Inkscape", "Inkscape"),
     ],
 )
 def test_a_unit_that_is_not_known_is_refused_unless_one_is_given(tmp_path, header, word):
@@ -198,12 +216,26 @@ def test_columns_are_those_that_their_names_say(tmp_path, header, columns):
         ("y,row", r"a\.csv: the columns are named 'y,row', which does not tell which"),
         ("z,y", "'z,y', which does not tell which"),
         ("x,x", "'x,x', which does not tell which"),
-        ("# y, x\nx,y", r"a\.csv: it names its columns in several orders, 'y, x' and 'x,y'"),
+        ("# y, x\n# x, y", r"a\.csv: it names its columns in several orders, 'y, x' and 'x, y'"),
+        ("rl,si", r"a\.csv: the columns are named 'rl,si', which does not tell whether they count"),
+        ("# dv, ml", "'dv, ml', which does not tell whether"),
     ],
 )
 def test_columns_of_which_the_order_cannot_be_told_are_refused(tmp_path, header, message):
     with pytest.raises(ValueError, match=message):
         read_outline(written(tmp_path, f"{header}\n{SQUARE}"))
+
+
+@pytest.mark.parametrize(
+    ("text", "warns"), [("x,y\n# row, column", True), ("# y, x\nx,y", True), ("x,y\n# row, y", False)]
+)
+def test_a_header_counts_before_comments_that_name_other_columns(tmp_path, text, warns):
+    numbers = "".join(f"{a:g},{b:g}\n" for a, b in CORNER.T)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert read_outline(written(tmp_path, f"{text}\n{numbers}")).single() == pytest.approx(CORNER)
+    assert [each.filename for each in told] == [__file__] * warns
+    assert all("its header 'x,y', which counts" in str(each.message) for each in told)
 
 
 def test_numbers_as_large_as_millimetres_are_pointed_out(tmp_path):

@@ -37,17 +37,21 @@ AMONG_WORDS = re.compile(UNMISTAKABLE, re.IGNORECASE)
 OF_NO_NUMBER = re.compile(rf"(?<!\d\s){UNMISTAKABLE}", re.IGNORECASE)
 COLUMNS = re.compile(r"\W*(x\b.*?)[,;\s]\s*(y\b.*)", re.IGNORECASE)
 DECLARED = re.compile(
-    r"\bunits?(?:\s+of\s+length)?\s*(?:[:=]|\bis\b|\bare\b)[\s\"'\[(]*((?:[\d.,]+(?:e[-+]?\d+)?\s*)?[^\W\d_]+)",
+    r"\bunits?(?:\s+of\s+length)?\s*(?:[:=]|\bis\b|\bare\b)[\s\"'\[(]*(?:in\s+(?=[^\W\d_]))?((?:[\d.,]+(?:e[-+]?\d+)?\s*)?[^\W\d_]+)",
     re.IGNORECASE,
 )
 BRIEF = re.compile(rf"(?:.*\bunits?)?\W*(?:in\s+)?{UNMISTAKABLE}\W*(?:{UNIT}|units?)?\W*", re.IGNORECASE)
-OF_ALL = r"\b(?:coordinates|points|positions|lengths|distances|numbers|values|all)\b[^.;:]*"
+ALL = r"\b(?:coordinates|points|positions|lengths|distances|numbers|values|all)\b"
+OF_ALL = rf"{ALL}[^.;:]*"
 SPOKEN = re.compile(rf"{OF_ALL}\bin\s+{UNMISTAKABLE}", re.IGNORECASE)
-BRACKETED = re.compile(rf"{OF_ALL}[\[({{<]\s*({UNIT})\s*[\])}}>]", re.IGNORECASE)
-MEASURE = rf"[\d.,]+(?:e[-+]?\d+)?\s*{CLEAR}(?![^\W_])"
+BRACKETED = re.compile(
+    rf"{OF_ALL}[\[({{<]\s*({CLEAR})\s*[\])}}>]|{ALL}\s*[\[({{<]\s*({UNIT})\s*[\])}}>]", re.IGNORECASE
+)
+MEASURE = rf"[.,]?\d[\d.,]*(?:e[-+]?\d+)?\s*{CLEAR}(?![^\W_])"
 PIXEL = r"(?:px|pixels?|voxels?|units?)\b"
 SCALED = re.compile(
-    rf"\bscale\s*[:=]?\s*({UNIT}(?![^\W_])|{MEASURE})|\b(?:scale(?!\W*bar)|spacing|resolution|{PIXEL})"
+    rf"\bscale\s*(?:(?:[:=\[({{<]|is\b)\s*(?:in\s+)?|in\s+)({CLEAR}(?![^\W_])|{MEASURE})"
+    rf"|\bscale\s*(?:[:=\[({{<]|is\b)\s*({UNIT})\s*(?:$|[\])}}>,;.])|\b(?:scale(?!\W*bar)|spacing|resolution|{PIXEL})"
     rf"[^,;.\d]{{0,20}}({MEASURE})|({MEASURE})\s*(?:/|per\b)\s*{PIXEL}",
     re.IGNORECASE,
 )
@@ -102,7 +106,7 @@ def units_of_header(fields: Sequence[str]) -> list[str]:
         both = BRACKETS.findall(line)
         if len(both) == 2 and both[0] == both[1]:
             return [word for word in both if is_unit(word)]
-        return _scales(line) or OF_NO_NUMBER.findall(line)
+        return OF_NO_NUMBER.findall(line)
     matches = [IN_BRACKETS.fullmatch(field) for field in fields]
     brackets = [match[1] for match in matches if match]
     whole = fields[0] == fields[1] or all(unit_of(field) for field in fields)
@@ -114,12 +118,17 @@ def units_of_header(fields: Sequence[str]) -> list[str]:
 
 
 def units_of_comment(text: str) -> list[str]:
-    """Return the words that stand for units in a comment: "units: cm", "x (mm), y (mm)", "mm, mm"."""
+    """Return the words that stand for units in a comment as in a header: "units: cm", "x (mm), y (mm)"."""
     columns = COLUMNS.fullmatch(text.strip())
     found = units_of_header([columns[1].strip(" ,;"), columns[2].strip()]) if columns else []
-    found = found or DECLARED.findall(text) or _scales(text) or SPOKEN.findall(text)
+    return found or DECLARED.findall(text)
+
+
+def units_spoken(text: str) -> list[str]:
+    """Return the units that a comment says in words: "all points in mm", "coordinates (cm)", "mm, mm"."""
     brief = BRIEF.fullmatch(text)
-    return found or BRACKETED.findall(text) or ([brief[1]] if brief else [])
+    found = SPOKEN.findall(text) or ["".join(words) for words in BRACKETED.findall(text)]
+    return found or ([brief[1]] if brief else [])
 
 
 def units_in_passing(text: str) -> list[str]:
@@ -127,7 +136,7 @@ def units_in_passing(text: str) -> list[str]:
     return OF_NO_NUMBER.findall(text)
 
 
-def _scales(text: str) -> list[str]:
+def scales_of(text: str) -> list[str]:
     """Return what text says that a unit is long: "scale: mm", "1 px = 0.1 mm", "0.1 mm per pixel"."""
     return ["".join(found).strip() for found in SCALED.findall(text)]
 

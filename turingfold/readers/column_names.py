@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from ..arrays import Array
 from ..geometry.units import UNIT
 
-ACROSS = ("x", "col", "cols", "column", "columns", "horizontal", "ml", "lr", "rl")
-ALONG = ("y", "row", "rows", "vertical", "dv", "si")
+ACROSS = ("x", "col", "cols", "column", "columns", "horizontal")
+ALONG = ("y", "row", "rows", "vertical")
+EITHER_WAY = ("ml", "lr", "rl", "dv", "si")  # anatomical: written as well where they count the other way
 AXES = ("x", "y", "z")
 DOWNWARD = ("row", "rows")  # of an image are counted from its top
-NAME = rf"({'|'.join(ACROSS + ALONG)})(?:[\W_]*{UNIT}(?![^\W_])|(?![^\W_]))"
+NAME = rf"({'|'.join(ACROSS + ALONG + EITHER_WAY)})(?:[\W_]*{UNIT}(?![^\W_])|(?![^\W_]))"
 NAMES = re.compile(rf"\W*(?:columns?\s*[:=]\s*)?{NAME}[\W_]*\b{NAME}\W*", re.IGNORECASE)
 
 
@@ -35,7 +36,7 @@ class Order:
 def order_of_header(fields: Sequence[str], source: str) -> dict[str, Order]:
     """Return the order that the fields of a header tell, by what they are: "y (mm),x (mm)"; none of others.
 
-    Raises ValueError where both name the same direction, or z comes first.
+    Raises ValueError where both name the same direction, z comes first, or directions count either way.
     """
     if len(fields) != 2:
         return order_of_comment(" ".join(fields), source)
@@ -55,13 +56,20 @@ def _name(field: str) -> str:
     """Return the word of a column's name that says what it is, or "" of one that does not."""
     match = re.fullmatch(NAME + r"\W*", field.strip(), re.IGNORECASE)
     words = [match[1].lower()] if match else re.findall(r"[^\W_]+", field.lower())
-    known = [word for word in words if word in AXES] or [word for word in words if word in ACROSS + ALONG]
+    known = [word for word in words if word in AXES] or [
+        word for word in words if word in ACROSS + ALONG + EITHER_WAY
+    ]
     return known[0] if known else ""
 
 
 def _order(source: str, said: str, first: str, second: str) -> dict[str, Order]:
     if not (first and second) or (first != "z" and second == "z"):
         return {}  # x, z and y, z are planes, across first
+    if {first, second} & {*EITHER_WAY}:
+        raise ValueError(
+            f"{source}: the columns are named {said!r}, which does not tell whether they count to the right "
+            "and upward; name them x and y if they do, else turn the signs round."
+        )
     if first == "z" or (first in ACROSS) == (second in ACROSS):
         raise ValueError(
             f"{source}: the columns are named {said!r}, which does not tell which of them runs across the "

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array
-from ..geometry.units import KNOWN, unit_of, units_in_passing, units_of_comment, units_of_header
-from .column_names import Order, order_of_comment, order_of_header
+from .column_words import Said
 
 COMMENT = re.compile(r"(?:^|\s)[#%](.*)$")
 MISSING = ("", "nan", "na", "n/a", "null")
@@ -52,7 +51,7 @@ def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array
     """Return the closed curves (2, n) in a file, and the length in m of the unit it states, if it does.
 
     unit_is_given: what the file states does not matter.  Its columns are those that it names, see `Order`.
-    Warns of points far from both their neighbours, by the number of the line.
+    Warns of points far from both their neighbours, by the number of the line, and as `Said.order`.
     Raises ValueError with the number of the line for fields that are no numbers, for curves of fewer than
     three points, and for closed curves that follow each other without a blank row; for a unit that is unknown
     or mentioned in passing only, and for names of columns of which the order cannot be told.
@@ -62,65 +61,26 @@ def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array
     declared = re.fullmatch(r'"?sep=(.)"?', lines[0]) if lines else None
     dialect = _dialect(lines[1:], declared[1].strip()) if declared else _dialect(lines, None)
     curves: list[list[tuple[float, float, int]]] = [[]]
-    words: list[str] = []
-    mentioned: list[str] = []
-    orders: dict[str, Order] = {}
+    said = Said(file.name)
     for number, line in enumerate(lines[bool(declared) :], start=1 + bool(declared)):
         fields = dialect.fields(line)
         if comment := COMMENT.search(written[number - 1]):
-            words += units_of_comment(comment[1])
-            mentioned += units_in_passing(comment[1])
-            orders |= order_of_comment(comment[1], file.name)
+            said.comment(comment[1])
         if all(field.lower() in MISSING for field in fields):
             if curves[-1]:
                 curves.append([])
         elif not curves[-1] and not any(LIKE_A_NUMBER.match(field) for field in fields):
             if len(fields) != 2:  # rows may be separated by something else
                 fields = [part.strip(" \t\"'") for part in re.split("[,;\t]", line)]
-            words += units_of_header(fields)
-            mentioned += units_in_passing(line)
-            orders |= order_of_header(fields, file.name)
+            said.header(line, fields)
         else:
             curves[-1].append((*_point(fields, dialect, f"{file.name}, line {number}: {line!r}"), number))
     filled = [curve for curve in curves if curve]
     if not filled:
         raise ValueError(f"{file.name} holds no points; give two columns x, y.")
-    unit = None if unit_is_given else _unit(words, mentioned, file.name)
-    order = _order(orders, file.name)
+    unit = None if unit_is_given else said.unit()
+    order = said.order()
     return [order.placed(_closed(curve, file.name)) for curve in filled], unit
-
-
-def _order(orders: dict[str, Order], name: str) -> Order:
-    """Return the order of the columns that all names tell, x and y without one."""
-    if len(set(orders.values())) > 1:
-        raise ValueError(
-            f"{name}: it names its columns in several orders, {' and '.join(map(repr, orders))}; keep one."
-        )
-    return next(iter(orders.values()), Order())
-
-
-def _unit(words: list[str], mentioned: list[str], name: str) -> float | None:
-    """Return the length in m of the unit that all the words name, or None without a word.
-
-    mentioned: units that are named in passing; without a word it is not known what they are of.
-    """
-    if mentioned and not words:
-        raise ValueError(
-            f"{name}: its header or a comment mentions {mentioned[0]!r}, and does not say whether that is "
-            'the unit of its coordinates; give unit="mm" or another, or write "# units: mm", or take it out.'
-        )
-    units = {word: unit_of(word) for word in words}
-    for word, unit in units.items():
-        if unit is None:
-            raise ValueError(
-                f"{name}: its header or a comment states the unit {word!r}; known are {KNOWN}. Give the "
-                "length of its unit in m, such as unit=1e-4, or take that word out."
-            )
-    if len(set(units.values())) > 1:
-        raise ValueError(
-            f"{name}: it states several units of length, {', '.join(units)}; give both columns in one."
-        )
-    return next(iter(units.values()), None)
 
 
 def _text(file: Path) -> str:
