@@ -26,7 +26,7 @@ from turingfold import (
     semicircle,
 )
 from turingfold.extend import GrowthLaw, Kinetics, Process, State
-from turingfold.testing import check_kinetics, check_process, check_term
+from turingfold.testing import check_kinetics, check_process, check_term, taylor_order
 from turingfold.turing.kinetics.named import KINETICS
 
 PATTERN = Turing(KINETICS["Schnakenberg"](), half_waves=4)
@@ -100,3 +100,13 @@ def test_damping(body):
         StiffnessDamping(elastic=elastic, time=0.1), body, State(0.1, {"displacement": old}), samples,
         step=1e-3, moment=False, objective=False, other=StiffnessDamping(elastic=elastic, time=0.2),
     )  # fmt: skip
+
+
+def test_an_order_is_taken_above_round_off_and_a_jump_is_none():
+    noise = np.random.default_rng(0)
+    rounded = taylor_order(lambda h: 3.0 * h**2 + 3e-13 * noise.uniform(-1, 1), size=1.0, step=1e-3)
+    assert rounded == pytest.approx(2.0, abs=0.02)
+    wrong = taylor_order(lambda h: 3.0 * h**2 + 1e-4 * h, size=1.0, step=1e-3)
+    assert wrong < 1.5
+    with pytest.raises(AssertionError, match="it jumps by 1e-08 of 1"):
+        taylor_order(lambda h: h**2 + 1e-8, size=1.0, step=1e-3)

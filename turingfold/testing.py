@@ -22,7 +22,8 @@ from .state import State
 from .turing.kinetics.base import Kinetics
 
 STEPS = 2.0 ** -np.arange(0.0, 15.0, 2.0)
-NONE = 2.0 ** -np.arange(24.0, 27.0)  # steps so short that a remainder over them is round-off
+SHORTEST = 2.0 ** -np.arange(24.0, 27.0)  # steps over which a remainder is round-off, of a share ROUND_OFF
+ROUND_OFF = 1e-9
 ORDER = 1.9  # of a remainder that is meant to have order 2
 SMOOTH = 1e-4  # relative error of a derivative by differences (contact: 2e-5, its barrier is C²)
 
@@ -45,7 +46,8 @@ def taylor_order(remainder: Callable[[float], float], size: float, step: float) 
     found = np.array([abs(remainder(h)) for h in lengths])
     if found.max() <= 1e-12 * size:
         return np.inf
-    noise = max(abs(remainder(h)) for h in step * NONE)
+    noise = max(abs(remainder(h)) for h in step * SHORTEST)
+    _hold(noise <= ROUND_OFF * size, f"it jumps by {noise:g} of {size:g}, or differs when it is asked twice")
     seen = found > max(1e-11 * size, 30.0 * noise)
     _hold(seen.sum() >= 3, f"too few remainders above round-off: {found} of {size:g}; use a larger step")
     return float(np.polyfit(np.log(lengths[seen][-3:]), np.log(found[seen][-3:]), 1)[0])

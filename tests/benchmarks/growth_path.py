@@ -6,7 +6,7 @@
 Semi-circle of document 1, quadratic triangles, sharp cortex growing from 1 to 1.45 in 15 equal steps, no
 contact. All solve the same discrete problem, on one mesh with one quadrature, to the same nodal forces:
 1e-8 of turingfold's scale at the end of each step. Runs alternate in one process. The peers assemble (and
-NGSolve factorises) with two threads, turingfold works with one (set OMP_NUM_THREADS=1). What belongs to the
+NGSolve factorises) with two threads, turingfold works with one. What belongs to the
 mesh, and the compilation of kernels, is prepared before; operators and orderings are part of every run.
 With --figure3 it is the body of Figure 3 with its tension, growth of the core and swelling, until the last
 of its steps in which no walls push on each other.

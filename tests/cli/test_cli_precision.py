@@ -5,6 +5,7 @@ import math
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -12,7 +13,18 @@ from turingfold import load, simulate
 from turingfold.cli import precision, trials
 from turingfold.cli.case import find_case, load_case
 from turingfold.cli.main import main
-from turingfold.cli.trials import SAFETY, Errors, Size, Trial, best, confirmed, judged_anew, onward
+from turingfold.cli.trials import (
+    CONFIRMS,
+    SAFETY,
+    Errors,
+    Size,
+    Trial,
+    best,
+    confirmed,
+    judged_anew,
+    onward,
+    standing,
+)
 
 CASE = '''"""A patch of cortex that grows, and white matter that may follow. Less than a second."""
 from turingfold import (
@@ -53,8 +65,12 @@ def test_a_looser_error_takes_two_runs_and_a_smaller_one_finer_elements(case, ca
     told, facts = ran(capsys, "--accuracy", "5%")
     assert chosen(told) == [3.0, 3.9]
     loose = load("results/tiny/only")
-    own = max(SAFETY * loose.errors[name] / abs(loose.summary()[name]) for name in ("energy", "perimeter"))
-    assert own <= facts["reached"] < 2 * own
+    assert main(["run", "tiny.py", "--set", "elements=3", "--out", "coarse", "--no-errors"]) == 0
+    mine, others = loose.summary(), load("coarse/tiny/only").summary()
+    by_difference = (abs(others[name] / mine[name] - 1) / (CONFIRMS - 1) for name in ("energy", "perimeter"))
+    by_estimate = (SAFETY * loose.errors[name] / abs(mine[name]) for name in ("energy", "perimeter"))
+    assert facts["reached"] == pytest.approx(max(*by_difference, *by_estimate))
+    capsys.readouterr()
     wanted = 0.2 * facts["reached"]
     told, facts = ran(capsys, "--accuracy", f"{wanted}", "--overwrite")
     assert len(chosen(told)) > 1
@@ -120,6 +136,23 @@ def test_two_runs_of_errors_of_first_order_tell_them_both():
     assert fine.worst == pytest.approx(1 / 60 / (1 + 1 / 60))
     near, same = judged_anew([trial(3, 0.001, 1.001), trial(3, 0.001, 1.0, shorter=2.0)])
     assert near.worst == same.worst == 0.001  # other steps are no other mesh
+    assert not confirmed([near, same])
+
+
+def test_the_difference_of_two_meshes_counts_beyond_what_their_steps_explain():
+    key, steps = ("only", "energy"), {("only", "energy"): 0.01}
+    coarse = trial(3, 0.001, 1.03)
+    coarse = Trial.judged(coarse.size, replace(coarse.errors, steps=steps), [])
+    fine = judged_anew([coarse, trial(3.9, 0.001, 1.0, shorter=2.0)])[1]
+    assert fine.bounds([coarse])[key] == pytest.approx(3 / 0.9 * 0.02)
+    assert fine.worst > 0.06
+
+
+def test_a_run_is_not_confirmed_by_one_that_is_refuted():
+    runs = [trial(3, 0.004, 1.3), trial(3.9, 0.004), trial(4.4, 0.004)]
+    assert standing(runs) == runs[1:]
+    assert not confirmed(judged_anew(runs))
+    assert confirmed(judged_anew([*runs, trial(5.1, 0.004)]))
 
 
 def test_runs_that_differ_in_their_steps_only_have_no_order():
@@ -147,8 +180,10 @@ def test_two_runs_finer_than_any_near_a_limit_of_stability_must_agree():
     assert onward([soft, trial(3.9, 0.001)], 0.01, float).elements == pytest.approx(5.07)
     assert confirmed([soft, trial(3.9, 0.001), trial(5.07, 0.001)])
     apart = [soft, trial(3.9, 0.001), trial(5.07, 0.001, value=1.1)]
-    assert best(judged_anew(apart)).worst > 0.2
-    assert best(judged_anew([*apart, trial(6.6, 0.001, value=1.1)])).worst == 0.001
+    assert best(judged_anew(apart)).worst > 0.2  # so that no asked accuracy is reached
+    agreed = judged_anew([*apart, trial(6.6, 0.001, value=1.1)])
+    assert best(agreed).worst == 0.001
+    assert confirmed(agreed)
 
 
 def test_a_run_that_is_coarser_than_one_near_a_limit_of_stability_is_not_believed():

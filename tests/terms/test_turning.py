@@ -16,7 +16,7 @@ from turingfold import (
     simulate,
 )
 from turingfold.geometry.triangles import bernstein, folded_over
-from turingfold.terms.turning import FLOOR, LEAST
+from turingfold.terms.turning import FLOOR, LEAST, Turning
 from turingfold.testing import check_term
 
 
@@ -33,7 +33,7 @@ def dragged(body, share):
 
 
 def barrier(body):
-    return SelfContact().on(body).barriers[2]
+    return next(own for own in SelfContact().on(body).barriers if isinstance(own, Turning))
 
 
 def at(body, share):

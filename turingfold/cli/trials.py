@@ -11,8 +11,7 @@ RUNS = 7
 SAFETY = 1.4  # of what is claimed: estimates of Figure 3 on eleven meshes were short by 1.32 at most
 ROOM = 0.85  # share of the error asked for that is aimed at
 SLOWEST, USUAL, FASTEST = 0.7, 1.0, 3.0  # orders of the error in the size of the elements
-CONFIRMS = 1.3  # times as many elements: how far apart two runs are that are compared
-APART = 1.25  # times as many elements, as rounded, from which on the difference of runs tells their errors
+CONFIRMS = 1.3  # times as many elements, from which on the difference of two runs tells their errors
 ANOTHER = 1.12  # times as many elements as the finest run that was no better: errors scatter with the mesh
 Numbers = dict[tuple[str, str], float]  # by scene and name
 
@@ -27,10 +26,10 @@ class Size:
     def share_of_difference(self, other: Size) -> float:
         """Return the error, in differences to another size, if it falls as the size of the elements.
 
-        0 where they are too close to tell, or differ in their steps.
+        0 where they are too close to tell.
         """
         few, more = sorted((self.elements, other.elements))
-        if self.shorter != other.shorter or more < APART * few:
+        if more < (CONFIRMS - 1e-6) * few:
             return 0.0
         return (few if self.elements == more else more) / (more - few)
 
@@ -102,21 +101,18 @@ class Trial:
     def bounds(self, others: Sequence[Trial]) -> Numbers:
         """Return bounds of the relative errors by this run and by others, without those that are refuted.
 
-        They are no smaller than what the difference of two meshes tells, if errors fall as the size of the
-        elements. A run is refuted where two finer ones lie farther from it than both estimates say: it may
-        have ended before a snap which they are past.
+        They are no smaller than what the difference of two meshes, beyond what steps explain, tells if errors
+        fall as the size of the elements.
         """
         assert self.errors is not None
-        judges = [one for one in (*others, self) if one.errors is not None]
-        left = [
-            one for one in judges if one is not self and sum(one.refuted_by(o) for o in judges) < 2
-        ]  # fmt: skip
+        left = [one for one in standing([*others, self]) if one is not self]
         found = self.errors.bounds([one.errors for one in left if one.errors is not None])
         for one in left:
             assert one.errors is not None
             share = self.size.share_of_difference(one.size)
             for key, apart in self.errors.apart(one.errors).items():
-                found[key] = max(found[key], share * apart)
+                steps = self.errors.steps.get(key, 0.0) + one.errors.steps.get(key, 0.0)
+                found[key] = max(found[key], share * (apart - steps))
         return found
 
     def refuted_by(self, other: Trial) -> bool:
@@ -130,6 +126,16 @@ class Trial:
         """What is smaller of a better run; of those that are not believed, the finest that ended."""
         ended = self.soft or self.errors is not None
         return self.worst, not ended, -self.size.elements if ended else 0.0
+
+
+def standing(trials: Sequence[Trial]) -> list[Trial]:
+    """Return the runs with an estimate that are not refuted.
+
+    One is, where two finer ones lie farther from it than both estimates say: it may have ended before a snap
+    which they are past.
+    """
+    judged = [one for one in trials if one.errors is not None]
+    return [one for one in judged if sum(one.refuted_by(other) for other in judged) < 2]
 
 
 def judged_anew(trials: Sequence[Trial]) -> list[Trial]:
@@ -153,13 +159,13 @@ def best(trials: Sequence[Trial]) -> Trial:
 
 
 def confirmed(trials: Sequence[Trial]) -> bool:
-    """Return whether there are two runs to compare, both finer than any near a limit of stability.
+    """Return whether the best run is compared with another mesh, both finer than any that is soft.
 
     One mesh may be before or past a snap by chance, and an estimate on it knows nothing of that.
     """
-    least = _finest_soft(trials)
-    finer = [one.size.elements for one in trials if one.errors is not None and one.size.elements > least]
-    return bool(finer) and max(finer) >= APART * min(finer)
+    own, least = best(trials), _finest_soft(trials)
+    finer = [one.size for one in standing(trials) if one.size.elements > least]
+    return own.size in finer and any(own.size.share_of_difference(size) > 0 for size in finer)
 
 
 def onward(trials: Sequence[Trial], accuracy: float, allowed: Callable[[float], float]) -> Size | None:

@@ -35,9 +35,9 @@ OF_FOLDS, IN_CREASES = ("gyrification_index", "sulcal_depth"), 2.0  # folds end 
 # where a surface ends at a clamp, displacements are as r^0.595 (clamped and free side at a right angle, plane
 # strain, ν = 1/2; Williams 1952, J. Appl. Mech. 19, 526), and the length of its last edge is off as h^0.595
 AT_CLAMPS = 1 / (1 - 2**-0.595)
-# a cortex that grows against a clamp: the energy's error there falls with order 0.7, and the local answer of
-# the finer mesh has half of what that mesh changes. Both were chosen after seeing them on half discs whose
-# triangles were split into four three times
+# at a clamped end the energy's error falls with order 0.7, and the local answer of the finer mesh has half of
+# what that mesh changes. Both were chosen after seeing them where a cortex grows against a clamp, on half
+# discs whose triangles were split into four three times
 ENERGY_AT_CLAMPS, REACH = 2 / (1 - 2**-0.71), 1.5  # and how far from a clamped end that is, thicknesses
 FARTHEST = 1.0  # cortical thicknesses that the finer mesh may move a node for the estimate to mean anything
 NUDGE = 1e-6  # cortical thicknesses by which nodes move for a difference of forces
@@ -74,9 +74,11 @@ def estimated(problem: Problem, state: State) -> Numbers:
     off[ENERGY] = local.energy - at.energy + 0.5 * float(local.forces @ move)
     clamps = _length_at_clamps(finer.body, there, 4) - _length_at_clamps(body, state["displacement"], 2)
     off[LENGTH] -= clamps
+    work = finer.work_at_clamps(local.move)
+    off[ENERGY] -= work
     found = {n: (IN_CREASES if n in OF_FOLDS else BEYOND) * abs(value) for n, value in off.items()}
     found[LENGTH] += AT_CLAMPS * abs(clamps)
-    found[ENERGY] += (ENERGY_AT_CLAMPS - BEYOND) * finer.share_at_clamps(local.move) * abs(off[ENERGY])
+    found[ENERGY] += ENERGY_AT_CLAMPS * abs(work)
     return found
 
 
@@ -142,14 +144,14 @@ class _Finer:
         change = self._change(move, forces)
         return _Local(move, forces + change, at.energy + float((forces + 0.5 * change) @ move))
 
-    def share_at_clamps(self, move: Array) -> float:
-        """Return how much of the work of the forces left, along a move, is done near clamped pial ends."""
-        work = np.abs(forces_of(self.at) * move).reshape(-1, 2).sum(axis=1)
-        body, near = self.body, np.zeros(len(work), dtype=bool)
-        for nodes in _clamped_ends(body):
-            near |= np.hypot(*(body.nodes - body.nodes[:, nodes[:1]])) < REACH * body.thickness
-        total = float(work.sum())
-        return float(work[near].sum()) / total if total > 0 else 0.0
+    def work_at_clamps(self, move: Array) -> float:
+        """Return the energy that a move takes near clamped pial ends, ½ r·e, r the forces left; J/m."""
+        if self.at.is_condensed:  # whose forces have the whole stiffness against changes of volume
+            return 0.0
+        near = np.zeros(self.body.nodes.shape[1], dtype=bool)
+        for nodes in _clamped_ends(self.body):
+            near |= np.hypot(*(self.body.nodes - self.body.nodes[:, nodes[:1]])) < REACH * self.body.thickness
+        return 0.5 * float((forces_of(self.at) * move).reshape(-1, 2)[near].sum())
 
     def _change(self, direction: Array, forces: Array) -> Array:
         """Return the change of the forces along a direction, K' d, (2 n_finer,)."""

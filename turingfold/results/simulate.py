@@ -81,8 +81,8 @@ def simulate(
     default where `out` keeps them. Of scenes that move or remember that takes half as long as the march. None
     after a time limit.
     case: what the scene comes from, numbers and words that scene.json keeps as "case".
-    It works with one BLAS thread, so that results repeat bit for bit, unless OMP_NUM_THREADS,
-    OPENBLAS_NUM_THREADS or MKL_NUM_THREADS gives another number.
+    It works with one thread of OpenBLAS or MKL, so that results repeat bit for bit, or as many as
+    OMP_NUM_THREADS, OPENBLAS_NUM_THREADS or MKL_NUM_THREADS says.
     Warns (CoarseMeshWarning) of fewer than three elements through a growing cortex, and of parts that push on
     the nodes that only hold them in place (HoldingForceWarning).
     Raises StoppedError where no step is possible any more, ValueError where `out` holds something else and

@@ -8,6 +8,7 @@ to 177 000 unknowns (tests/benchmarks/solvers.py).
 
 from __future__ import annotations
 
+import sys
 from importlib.util import find_spec
 from typing import Protocol
 
@@ -40,10 +41,11 @@ class Cholmod:
 
     def __init__(self, sparsity: Sparsity) -> None:
         check_memory(sparsity.n, len(sparsity.keys), CHOLMOD)
+        known = "cvxopt" in sys.modules
         from cvxopt import cholmod, matrix, spmatrix
 
-        limit_loaded()  # this one's BLAS, too
-
+        if not known:
+            limit_loaded()  # it brings its own BLAS
         self._matrix, self._cholmod = matrix, cholmod
         cholmod.options["supernodal"] = 2
         self._A = spmatrix(1.0, matrix(sparsity.rows), matrix(sparsity.columns), (sparsity.n, sparsity.n))

@@ -10,34 +10,48 @@ import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import wraps
+from threading import Lock
 from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
-CHOSEN = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # by whom the number is not left open
-_working: list[ExitStack] = []
+CHOSEN = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # the first that is set counts
+_lock = Lock()  # of what follows: scenes may run side by side in threads of Python
+_works = 0
+_limits = ExitStack()
 
 
 def one_thread(work: Callable[P, R]) -> Callable[P, R]:
-    """Return the function with one BLAS thread while it works, unless the environment gives their number."""
+    """Return the function with one BLAS thread while it works, or as many as the environment says."""
 
     @wraps(work)
     def alone(*args: P.args, **kwargs: P.kwargs) -> R:
-        if any(name in os.environ for name in CHOSEN):
+        global _works
+        with _lock:
+            _works += 1
+            if _works == 1:
+                _limit()
+        try:
             return work(*args, **kwargs)
-        with ExitStack() as stack:
-            _working.append(stack)
-            stack.callback(_working.remove, stack)
-            limit_loaded()
-            return work(*args, **kwargs)
+        finally:
+            with _lock:
+                _works -= 1
+                if _works == 0:
+                    _limits.close()
 
     return alone
 
 
 def limit_loaded() -> None:
-    """Give one thread to every BLAS that is loaded by now, until the present work ends."""
-    if _working:
-        from threadpoolctl import threadpool_limits
+    """Limit a BLAS that was loaded just now, too, until all works under way have ended."""
+    with _lock:
+        if _works:
+            _limit()
 
-        _working[-1].enter_context(threadpool_limits(1, user_api="blas"))
+
+def _limit() -> None:
+    from threadpoolctl import threadpool_limits
+
+    said = next((value for name in CHOSEN if (value := os.environ.get(name, "")).isdecimal()), "1")
+    _limits.enter_context(threadpool_limits(max(1, int(said)), user_api="blas"))

@@ -286,7 +286,7 @@ class ContactEvaluation(Abrupt):
         return Hessian(places, values, constant=False, expected=self._expected)
 
     def largest_step(self, direction: Array) -> float:
-        """Return nine tenths of the step at which walls would first come too close, at most 1."""
+        """Return the step, at most 1, to a little before walls come too close or a triangle turns over."""
         end = self.operator.moved(self.x + direction)
         if not np.isfinite(end).all():
             return 0.0  # ipctk would answer that nothing is in the way

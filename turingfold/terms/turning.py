@@ -2,7 +2,8 @@
 
 det F of a quadratic triangle is a quadratic polynomial between its six Bernstein coefficients. Where these
 leave no doubt nothing else is computed; in other triangles det F is kept above zero at places, close together
-on the sides and wider apart inside, where the elastic energy looks, too.
+on the sides and wider apart inside, where the elastic energy looks, too. `Inversion` acts on the sides at the
+boundary long before, so that walls stay smooth; this one only keeps what is nearly lost.
 """
 
 from __future__ import annotations
