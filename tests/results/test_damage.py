@@ -163,6 +163,25 @@ def test_states_of_one_run_that_were_exchanged_are_left_out(finished, out):
         np.testing.assert_array_equal(state["displacement"], kept["displacement"])
 
 
+@pytest.mark.parametrize(
+    ("name", "copy"),
+    [
+        ("states/000001.npz", "states/000001 (copy).npz"),
+        ("states/000010.npz", "states/last.npz"),
+        ("checkpoint-000010.npz", "checkpoint-old.npz"),
+    ],
+)
+def test_a_copy_of_a_state_under_another_name_is_left_out(finished, out, name, copy):
+    own = out / name
+    shutil.copy(own if own.exists() else sorted(out.glob("states/*.npz"))[0], out / copy)
+    with pytest.warns(UserWarning, match="is not named by its step") as told:
+        found = load(out)
+    assert [str(out / copy) in str(each.message) for each in told] == [True]
+    whole = load(finished)
+    assert [s.time for s in found.states] == [s.time for s in whole.states]
+    assert found.summary() == whole.summary()
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_a_last_state_that_is_of_another_step_is_made_anew(finished, out):
     first, *_, last = sorted(out.glob("states/*.npz"))

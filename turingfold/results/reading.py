@@ -126,11 +126,14 @@ def checkpoint_of(file: Path, identity: Identity, rows: Sequence[Row]) -> Checkp
 
 
 def _check_step(file: Path, time: float, rows: Sequence[Row]) -> None:
-    """Raise CorruptFileError unless a state's time is that of the step that its file is named by.
+    """Raise CorruptFileError unless a file is named by a step, and its state's time is that of this step.
 
     Where a killed run has lost the row of that step, unless it is later than the rows that there are.
     """
-    step, known = int(file.stem.removeprefix("checkpoint-")), [0.0, *(row["time"] for row in rows)]
+    number = file.stem.removeprefix("checkpoint-")
+    if not number.isdecimal():  # as of a copy
+        raise CorruptFileError(f"{file} is not named by its step, as 000001.npz is.")
+    step, known = int(number), [0.0, *(row["time"] for row in rows)]
     lost = step >= len(known)
     if time > known[-1] if lost else time == known[step]:
         return
