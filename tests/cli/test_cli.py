@@ -505,6 +505,35 @@ def test_compare_takes_one_of_several_curves_by_its_number_or_name(tmp_path, cap
     assert float(length.split()[-1]) == pytest.approx(2.0, rel=2e-3)
 
 
+def ratio_of_lengths(capsys):
+    (length,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("length, m")]
+    return float(length.split()[-1])
+
+
+def test_compare_takes_no_curve_by_a_name_that_several_have_or_that_is_a_number(tmp_path, capsys):
+    """A ring of radii 3 and 1 in one path; circles of radii 2 and 3 that are called by each other's number."""
+    angle = 2 * np.pi * np.arange(90) / 90
+    table(tmp_path / "one.csv", [np.stack([np.cos(angle), np.sin(angle)])])
+    ring = " ".join(f"M{r},0 A{r},{r} 0 0 1 -{r},0 A{r},{r} 0 0 1 {r},0 Z" for r in (3, 1))
+    svg = '<svg xmlns="http://www.w3.org/2000/svg">{}</svg>'
+    (tmp_path / "ring.svg").write_text(svg.format(f'<path id="pial" d="{ring}"/>'))
+    circles = '<circle id="1" r="2"/><circle id="0" r="3"/><circle id="7" r="4"/>'
+    (tmp_path / "numbers.svg").write_text(svg.format(circles))
+    words = ["compare", str(tmp_path / "one.csv")]
+    assert main([*words, str(tmp_path / "ring.svg"), "--curve-b", "pial"]) == 2
+    said = unwrapped(capsys)
+    assert "--curve-b pial: 2 curves of" in said
+    assert "have this name: 0 (pial, 18.8 long), 1 (pial, 6.28 long); choose one by its number" in said
+    for file, which, ratio in (
+        ("ring", "0", 3),
+        ("numbers", "0", 2),
+        ("numbers", "1", 3),
+        ("numbers", "7", 4),
+    ):
+        assert main([*words, str(tmp_path / f"{file}.svg"), "--curve-b", which]) == 0
+        assert ratio_of_lengths(capsys) == pytest.approx(ratio, rel=3e-3)
+
+
 def test_compare_takes_one_of_several_parts_of_a_result(tmp_path, capsys):
     """A disc with a closed-off sulcus, which runs clockwise, beside a smaller disc; all hardly grown."""
     angle = 2 * np.pi * np.arange(90) / 90
@@ -537,6 +566,26 @@ def test_compare_reads_landmarks_in_the_unit_of_their_header(tmp_path, capsys):
     (tmp_path / "marks.csv").write_text(row.format(""))
     assert main(words) == 2
     assert "in its unit" in unwrapped(capsys)
+
+
+def test_compare_says_that_a_curve_of_which_landmarks_lie_far_off_states_no_unit(tmp_path, capsys):
+    angle = 2 * np.pi * np.arange(80) / 80
+    circle = 5 * np.stack([np.cos(angle), np.sin(angle)])  # mm
+    table(tmp_path / "plain.csv", [circle])
+    stated = (tmp_path / "plain.csv").read_text().replace("x,y", "x (mm),y (mm)")
+    (tmp_path / "stated.csv").write_text(stated)
+    plain, stated = str(tmp_path / "plain.csv"), str(tmp_path / "stated.csv")
+    marks = tmp_path / "marks.csv"
+    marks.write_text("name,x_a (mm),y_a (mm),x_b (mm),y_b (mm)\ntop,0,5,-5,0\n")
+    assert main(["compare", stated, plain, "--landmarks", str(marks)]) == 2
+    said = unwrapped(capsys)
+    assert "curve b" in said
+    assert "plain.csv states no unit, so that its numbers are read as metres" in said
+    assert main(["compare", stated, stated, "--landmarks", str(marks)]) == 0
+    marks.write_text(marks.read_text().replace("0,5,", "0,9,"))
+    capsys.readouterr()
+    assert main(["compare", stated, plain, "--landmarks", str(marks)]) == 2
+    assert "states no unit" not in unwrapped(capsys)  # curve a is to blame, and has one
 
 
 def test_a_case_may_import_a_file_beside_it(tmp_path, monkeypatch, capsys):

@@ -394,6 +394,8 @@ def test_the_header_of_landmarks_may_state_their_unit(tmp_path, unit):
         (LANDMARKS, "has no landmarks"),
         (LANDMARKS + "one,1,0,1,0\none,0,1,0,1\n", "line 2: the name 'one' must be there, and only once"),
         (LANDMARKS + "one,1,0,1\n", r"line 2: x_b, y_b are \('1', ''\); give two numbers"),
+        (LANDMARKS + "one,1,5,0,5,1,5,0,5\n", "line 2: 9 fields, where the header has 5; if commas are"),
+        (LANDMARKS + "zero,1,0,1,0,,\none,1,0,1,0,2\n", "line 3: 6 fields"),
         (LANDMARKS + "one,1,0,nan,0\n", "line 2: x_b, y_b are nan from the nearest"),
         (LANDMARKS + "one,1000,0,1,0\n", "x_a, y_a are 999 from the nearest point of curve a.*in its unit"),
     ],

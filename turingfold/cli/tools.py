@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..arrays import Array
+    from ..morphometry.landmarks import Landmarks
 
 ELEMENTS = 4  # through the cortex
 CONDITIONS = (
@@ -90,15 +91,15 @@ def compare(
     """
     from ..morphometry.compare import compare as compared
     from ..morphometry.compare import draw_comparison
-    from ..morphometry.landmarks import read_landmarks
     from ..results.units import BRAIN
 
     names = (a.name, b.name) if a.name != b.name else (str(a), str(b))
-    (one, start_a, thickness_a), (other, start_b, thickness_b) = (
+    first, second = (
         _curve(path, f"--curve-{own}", which, known)
         for path, own, which in zip((a, b), "ab", curves, strict=True)
     )
-    given = {thickness_a, thickness_b} - {None}
+    one, other = first.points, second.points
+    given = {first.thickness, second.thickness} - {None}
     thickness = given.pop() if len(given) == 1 else None
     longest = max(np.ptp(curve, axis=1).max() for curve in (one, other))
     scale, unit = (1e3, "mm") if longest < BRAIN else (1.0, "m")
@@ -111,8 +112,8 @@ def compare(
         scale * other,
         names=names,
         thickness=None if thickness is None else scale * thickness,
-        starts=(scaled(start_a), scaled(start_b)),
-        landmarks=None if landmarks is None else read_landmarks(landmarks, one, other),
+        starts=(scaled(first.start), scaled(second.start)),
+        landmarks=None if landmarks is None else _landmarks(landmarks, first, second),
         unit=unit,
     )
     say(found.text())
@@ -127,10 +128,38 @@ def compare(
     return Answer(0, facts | _pictured(figure, draw))
 
 
-def _curve(
-    path: Path, option: str, which: str | None, known: tuple[Any, ...]
-) -> tuple[Array, Array | None, float | None]:
-    """Return the pial surface of a result with its start and thickness, or the outline in a file without.
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """A curve, (2, n), of a result with its points at the start and its thickness, or of a file without.
+
+    has_unit: whether its points are in m, as of a file that states a unit.
+    """
+
+    path: Path
+    points: Array
+    start: Array | None = None
+    thickness: float | None = None
+    has_unit: bool = True
+
+
+def _landmarks(file: Path, a: _Curve, b: _Curve) -> Landmarks:
+    """Return the landmarks on two curves; raises ValueError, of places far off a curve without a unit, too."""
+    from ..morphometry.landmarks import OffCurveError, read_landmarks
+
+    try:
+        return read_landmarks(file, a.points, b.points)
+    except OffCurveError as error:
+        curve = {"a": a, "b": b}[error.curve]
+        if curve.has_unit:
+            raise
+        raise ValueError(
+            f"{error} {curve.path} states no unit, so that its numbers are read as metres; state it there, as "
+            'by the header "x (mm),y (mm)" or, in a drawing, a width in mm.'
+        ) from error
+
+
+def _curve(path: Path, option: str, which: str | None, known: tuple[Any, ...]) -> _Curve:
+    """Return the pial surface of a result, or the outline in a file.
 
     which: of several curves, by number or name; the option that takes it is named where it is missing.
     """
@@ -138,35 +167,45 @@ def _curve(
         from ..readers.read import read_outline
 
         read = read_outline(path)
-        return read.loops[_chosen(path, option, which, read.loops, read.names)], None, None
+        k = _chosen(path, option, which, read.loops, read.names)
+        return _Curve(path, read.loops[k], has_unit=read.unit is not None)
     from ..results.loading import load
     from ..results.surface import facing
 
     result = load(scene_folder(path), known=known)
     body = result.scene.body
     if len(body.pial_paths) == 1 and which is None:
-        return result.pial(), result.pial(0), body.thickness
+        return _Curve(path, result.pial(), result.pial(0), body.thickness)
     ends = result.pial_parts()
     k = _chosen(path, option, which, ends, [""] * len(ends))
-    return facing(ends[k]), facing(result.pial_parts(0)[k]), body.thickness
+    return _Curve(path, facing(ends[k]), facing(result.pial_parts(0)[k]), body.thickness)
 
 
 def _chosen(path: Path, option: str, which: str | None, curves: Sequence[Array], names: Sequence[str]) -> int:
-    """Return the number of the curve that is asked for, or of the only one; else ValueError."""
-    known = {str(k): k for k in range(len(curves))} | {name: k for k, name in enumerate(names) if name}
+    """Return the number of the curve that is asked for, or of the only one; else ValueError.
+
+    which: its number, or a name that no other has; a number is one though a curve may have it for a name.
+    """
     if which is None and len(curves) == 1:
         return 0
-    if which is None or which not in known:
-        from ..morphometry.polyline import perimeter
+    numbers = [k for k in range(len(curves)) if str(k) == which]
+    found = numbers or [k for k, name in enumerate(names) if name and name == which]
+    if len(found) == 1:
+        return found[0]
+    from ..morphometry.polyline import perimeter
 
-        each = [
-            f"{k} ({f'{name}, ' if name else ''}{perimeter(curve, closed=True):.3g} long)"
-            for k, (curve, name) in enumerate(zip(curves, names, strict=True))
-        ]
-        shown = ", ".join(each[:8]) + (", ..." if len(each) > 8 else "")
-        wrong = f"{option} {which}: there is none in" if which is not None else "one is wanted of"
-        raise ValueError(f"{wrong} {path}, of {len(curves)} curves: {shown}; choose one, as by {option} 0.")
-    return known[which]
+    each = [
+        f"{k} ({f'{names[k]}, ' if names[k] else ''}{perimeter(curves[k], closed=True):.3g} long)"
+        for k in found or range(len(curves))
+    ]
+    shown = ", ".join(each[:8]) + (", ..." if len(each) > 8 else "")
+    wrong = "one is wanted of" if which is None else f"{option} {which}: there is none in"
+    if found:
+        raise ValueError(
+            f"{option} {which}: {len(found)} curves of {path} have this name: {shown}; choose one by its "
+            f"number, as by {option} {found[0]}."
+        )
+    raise ValueError(f"{wrong} {path}, of {len(curves)} curves: {shown}; choose one, as by {option} 0.")
 
 
 def scene_folder(path: Path) -> Path:

@@ -21,6 +21,14 @@ COLUMN = re.compile(r"(name|[xy]_[ab])(?:[\s_/]*[\[(]\s*([^\])]*?)\s*[\])]|[\s_/
 NEAR = 0.05  # farthest that a landmark may lie from its curve, over the radius of the body
 
 
+class OffCurveError(ValueError):
+    """A landmark lies far from its curve, as one in another unit; `curve` is "a" or "b"."""
+
+    def __init__(self, message: str, curve: str) -> None:
+        super().__init__(message)
+        self.curve = curve
+
+
 @dataclass(frozen=True, kw_only=True)
 class Landmarks:
     """Names (k), and indices (k, 2) of the points of two curves that correspond."""
@@ -45,14 +53,14 @@ class LandmarkTable:
         """Return the landmarks of a CSV file with the columns name, x_a, y_a, x_b, y_b.
 
         The header may state units of the four, "x_a (mm)" or "x_a_mm".  unit: of all, in place of these.
-        Raises ValueError, naming file and line, for other columns or units, repeated names, and what is no
-        number.
+        Raises ValueError, naming file and line, for other columns or units, repeated names, rows of more
+        fields, and what is no number.
         """
         file = file_path("landmarks", path, "a CSV file")
         with file.open(newline="", encoding="utf-8-sig") as stream:
             table = csv.reader(stream, skipinitialspace=True)
             factors = _factors(file, next(table, []), unit)
-            rows = [(f"{file}, line {table.line_num}", [*row, *5 * [""]]) for row in table if any(row)]
+            rows = [_row(f"{file}, line {table.line_num}", row) for row in table if any(row)]
         names = tuple(row[0].strip() for _, row in rows)
         for (where, _), name in zip(rows, names, strict=True):
             if not name or names.count(name) > 1:
@@ -62,6 +70,17 @@ class LandmarkTable:
         numbers = [[_place(where, row[1:3], "a"), _place(where, row[3:5], "b")] for where, row in rows]
         places = np.array(numbers) * np.reshape(factors, (2, 2))
         return cls(names=names, places=places, where=tuple(where for where, _ in rows))
+
+
+def _row(where: str, row: Sequence[str]) -> tuple[str, list[str]]:
+    """Return a row of five fields, of a longer one what it has beyond empty fields; raises ValueError."""
+    more = [field for field in row[len(COLUMNS) :] if field.strip()]
+    if more:
+        raise ValueError(
+            f"{where}: {len(row)} fields, where the header has {len(COLUMNS)}; if commas are decimal signs, "
+            "write points instead."
+        )
+    return where, [*row, *len(COLUMNS) * [""]][: len(COLUMNS)]
 
 
 def _factors(file: Path, header: Sequence[str], unit: str | float | None) -> list[float]:
@@ -92,8 +111,8 @@ def read_landmarks(
 
     The points are in m if its header states units, else in the unit of its numbers. Each landmark becomes the
     nearest point of its curve.
-    Raises ValueError, naming file and line, as `LandmarkTable.read`, and for places more than 0.05 of the
-    body's radius from the curve, such as those in another unit.
+    Raises ValueError, naming file and line, as `LandmarkTable.read`, and OffCurveError, which is one, for
+    places more than 0.05 of the body's radius from the curve, such as those in another unit.
     """
     curves = as_polyline(points_a, closed, "points_a"), as_polyline(points_b, closed, "points_b")
     table = LandmarkTable.read(path)
@@ -117,8 +136,9 @@ def _nearest(where: str, place: Array, curve: Polyline, kind: str) -> int:
     away = np.hypot(*(curve.points - place[:, None]))
     k = int(np.argmin(away))
     if not away[k] <= NEAR * curve.radius:  # also for what is not a number
-        raise ValueError(
+        raise OffCurveError(
             f"{where}: x_{kind}, y_{kind} are {away[k]:.3g} from the nearest point of curve {kind}, a body "
-            f"with a radius of {curve.radius:.3g}; give places on it, in its unit."
+            f"with a radius of {curve.radius:.3g}; give places on it, in its unit.",
+            kind,
         )
     return k
