@@ -511,7 +511,7 @@ def ratio_of_lengths(capsys):
 
 
 def test_compare_takes_no_curve_by_a_name_that_several_have_or_that_is_a_number(tmp_path, capsys):
-    """A ring of radii 3 and 1 in one path; circles of radii 2 and 3 that are called by each other's number."""
+    """A ring of radii 3 and 1 in one path; circles of radii 2 and 3 are called by each other's number."""
     angle = 2 * np.pi * np.arange(90) / 90
     table(tmp_path / "one.csv", [np.stack([np.cos(angle), np.sin(angle)])])
     ring = " ".join(f"M{r},0 A{r},{r} 0 0 1 -{r},0 A{r},{r} 0 0 1 {r},0 Z" for r in (3, 1))

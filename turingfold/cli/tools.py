@@ -143,7 +143,7 @@ class _Curve:
 
 
 def _landmarks(file: Path, a: _Curve, b: _Curve) -> Landmarks:
-    """Return the landmarks on two curves; raises ValueError, of places far off a curve without a unit, too."""
+    """Return the landmarks on two curves; a ValueError says of a curve that it states no unit."""
     from ..morphometry.landmarks import OffCurveError, read_landmarks
 
     try:
@@ -153,8 +153,8 @@ def _landmarks(file: Path, a: _Curve, b: _Curve) -> Landmarks:
         if curve.has_unit:
             raise
         raise ValueError(
-            f"{error} {curve.path} states no unit, so that its numbers are read as metres; state it there, as "
-            'by the header "x (mm),y (mm)" or, in a drawing, a width in mm.'
+            f"{error} {curve.path} states no unit, so that its numbers are read as metres; state it there, "
+            'as by the header "x (mm),y (mm)" or, in a drawing, a width in mm.'
         ) from error
 
 
