@@ -1,5 +1,6 @@
 """Bodies in several parts: what works on all of them, and what refuses them by name."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,7 @@ from turingfold.growth.zones import Window
 from turingfold.parts import TimeStep
 from turingfold.results.codec import decode
 from turingfold.results.document import stored
+from turingfold.results.holding import warn_of_holding
 
 AT = 2 * np.pi * np.arange(120) / 120
 CIRCLE = np.stack([np.cos(AT), np.sin(AT)])
@@ -98,6 +100,16 @@ def test_what_holds_parts_in_place_carries_what_others_push_with(pair):
     assert dragged.summary()["holding_force"] is None
     moved = [dragged.last["displacement"][0, part].mean() for part in (left, ~left)]
     assert moved[0] < -0.01 < 0.01 < moved[1]
+
+
+@pytest.mark.parametrize(("before", "told"), [((np.nan, 0.5), 0), ((0.5, np.nan), 0), ((np.nan,), 1)])
+def test_a_holding_force_is_told_once_though_a_row_before_has_none(pair, before, told):
+    """As of a run that went on, of which a cell was empty; 0.5 N/m are 2.5 of the shear modulus times T."""
+    rows = [{"holding_force": force} for force in before]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        warn_of_holding(scene(pair, 1.25), rows, 0.6)
+    assert len(caught) == told
 
 
 def test_a_stiff_cortex_hides_no_force_that_holds_a_soft_core():

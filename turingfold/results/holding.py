@@ -36,9 +36,9 @@ def holding_words(scene: Scene, force: float | None) -> str:
 def warn_of_holding(scene: Scene, before: Sequence[Mapping[str, float]], force: float) -> None:
     """Warn (HoldingForceWarning) of the first force of a run that is to be told; before: rows before it."""
     words = holding_words(scene, force)
-    if words and not holding_words(
-        scene, max((row.get("holding_force", 0.0) for row in before), default=0.0)
-    ):
+    forces = (row.get("holding_force", 0.0) for row in before)
+    largest = max((one for one in forces if one > 0), default=0.0)  # an empty cell, read back, is NaN
+    if words and not holding_words(scene, largest):
         warnings.warn(words, HoldingForceWarning, stacklevel=6)
 
 
