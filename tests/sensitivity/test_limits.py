@@ -35,6 +35,7 @@ from turingfold.sensitivity.landmarks import landmarks_of
 from turingfold.sensitivity.measures import measures_of
 from turingfold.sensitivity.parameters import CENTRAL, FORWARD, numbers_of
 from turingfold.sensitivity.standard_errors import told
+from turingfold.sensitivity.validity import is_kinked
 from turingfold.solve.newton import Minimiser
 from turingfold.solve.problem import Problem
 
@@ -141,6 +142,8 @@ def sensitivity_to_the_ramp(ramp):
     if ramp < 1:
         return sensitivity(result, to=("BoundaryLoads.ramp",))
     with pytest.warns(UserWarning, match="BoundaryLoads.ramp: forces do not change smoothly"):
+        adjoint_sensitivity(result, to=("BoundaryLoads.ramp",))
+    with pytest.warns(UserWarning, match="BoundaryLoads.ramp: forces do not change smoothly"):
         return sensitivity(result, to=("BoundaryLoads.ramp",))
 
 
@@ -155,11 +158,22 @@ def test_what_changes_nothing_nearby_does_so_until_it_begins_to_act(ramp, reach)
 def test_what_changes_round_off_only_has_no_kink():
     load = BoundaryLoads(places=(0.3,), forces=((0.0, -1e-13),), width=0.25, ramp=1.0)
     made = elastic_scene()
-    found = sensitivity(simulate(replace(made, terms=(*made.terms, load))), to=("BoundaryLoads.ramp",))
+    result = simulate(replace(made, terms=(*made.terms, load)))
+    adjoint = adjoint_sensitivity(result, to=("BoundaryLoads.ramp",))  # a warning is an error
+    assert np.abs(adjoint.derivatives).max() < 1e-12
+    found = sensitivity(result, to=("BoundaryLoads.ramp",))
     assert found.errors[0] == pytest.approx(1.0, abs=0.01)
     assert np.abs(found.derivatives).max() < 1e-12
     assert found.ranges[0] == np.inf
     assert "smoothly" not in found.text()
+
+
+@pytest.mark.parametrize(
+    ("lost", "derivative", "value", "kinked"),
+    [(0.2, 1.0, 3.0, True), (0.05, 1.0, 3.0, False), (1e-12, 1e-13, 3.0, False), (1e-3, 0.0, 0.0, True)],
+)
+def test_a_kink_counts_where_it_leaves_a_tenth_open_that_is_no_round_off(lost, derivative, value, kinked):
+    assert is_kinked(np.array([lost]), np.array([derivative]), value, np.array([1.0])).tolist() == [kinked]
 
 
 def ends(make, value):

@@ -18,7 +18,7 @@ from .change import warn_of_rough
 from .measures import MEASURES, Measure, gradient_of, measures_of, numbers_at
 from .parameters import counted, values_in
 from .tangent import Equilibrium
-from .validity import MISSED
+from .validity import is_kinked
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +70,18 @@ def adjoint_sensitivity(
     ]
     adjoints = np.stack([here.tangent.solve(each) if each.any() else still for each, _ in gradients])
     derivatives, errors = np.zeros((len(measures), len(to))), np.zeros(len(to))
+    numbers = numbers_at(result, measures, here.x, here.at.energy)
     own = np.array([measure is None for measure in measures.values()], dtype=float)
     for k, parameter in enumerate(to):
         found = here.change(parameter)
         derivatives[:, k] = own * found.energy - adjoints @ found.gradient
         errors[k] = found.error
         lost = own * found.lost_energy + np.abs(adjoints @ found.lost)
-        if (lost > MISSED * np.abs(derivatives[:, k])).any():
+        if is_kinked(lost, derivatives[:, k], values[k], numbers).any():
             warn_of_rough([parameter], errors[[k]])
     return AdjointSensitivity(
         parameters=tuple(to), values=values, measures=tuple(measures),
-        numbers=numbers_at(result, measures, here.x, here.at.energy),
+        numbers=numbers,
         derivatives=derivatives, forces=adjoints.reshape(len(measures), -1, 2).swapaxes(1, 2), errors=errors,
         jumps=np.array([jump for _, jump in gradients]), negative_pivots=here.tangent.factors.negative,
     )  # fmt: skip

@@ -20,10 +20,9 @@ from .change import rough_words, warn_of_rough
 from .measures import MEASURES, Measure, measures_of, numbers_at, rate_along
 from .parameters import counted, values_in
 from .tangent import Equilibrium
-from .validity import MISSED, range_of
+from .validity import MISSED, UNSEEN, is_kinked, is_seen, range_of
 
 ROUGH = 1e-2  # share of a measure's largest derivative that its kinks leave open, beyond which it is told
-UNSEEN = 1e-9  # share of a measure that is no change of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +134,12 @@ def sensitivity(
             changes[k].lost_energy if measure is None else abs(rate_along(result, measure, here.x, beside)[0])
             for measure in measures.values()
         ])  # fmt: skip
-        seen = lost * abs(values[k]) > UNSEEN * np.abs(numbers)
-        if np.isinf(ranges[k]) and not seen.any():  # what it changes is round-off
+        seen = is_seen(lost, values[k], numbers).any()
+        if np.isinf(ranges[k]) and not seen:  # what it changes is round-off
             continue
         jumps[:, k] = np.maximum(jumps[:, k], lost)
-        differ = seen & (lost > MISSED * np.abs(derivatives[:, k]))
-        if differ.any() or np.linalg.norm(beside) > MISSED * np.linalg.norm(moves[k]):
+        differs = is_kinked(lost, derivatives[:, k], values[k], numbers).any()
+        if differs or np.linalg.norm(beside) > MISSED * np.linalg.norm(moves[k]):
             ranges[k] = 0.0
     warn_of_rough(to, np.where(ranges == 0, errors, 0.0))
     return Sensitivity(

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Booleans
 from ..geometry.body import by_node
 from ..parts import TimeStep
 from ..solve.inertia import Factors
@@ -21,6 +21,7 @@ from .change import fields_of, operators_of
 from .parameters import changed_in, number_of
 
 MISSED = 0.1  # share of a displacement that the linear answer may miss
+UNSEEN = 1e-9  # share of a measure that is no change of it
 NEARLY = 0.8, 1.25  # shares of that which will do
 SMALL = 1e-3  # thicknesses of the cortex by which points move in the trial
 STILL = 1e-9  # thicknesses that are no motion
@@ -28,6 +29,21 @@ TRIALS, LONGEST = 6, 2.0  # at most; and by how much the later ones may go farth
 REFUSALS = 20  # of trials, at most
 POWERS = 40  # of the inverse: the lowest eigenvalue is then known to a few per cent
 ALIKE = 1e-3  # relative change of it at which they end
+
+
+def is_seen(lost: Array, value: float, numbers: Array) -> Booleans:
+    """Return of which measures, (m,), what a parameter's kink leaves open of the derivatives is no round-off.
+
+    lost: by how much these may err.  value: of the parameter; beside 0 it is by its unit.  numbers: measured.
+    """
+    seen: Booleans = lost * (abs(value) or 1.0) > UNSEEN * np.abs(numbers)
+    return seen
+
+
+def is_kinked(lost: Array, derivatives: Array, value: float, numbers: Array) -> Booleans:
+    """Return of which measures, (m,), a kink leaves MISSED of the derivatives open; see `is_seen`."""
+    kinked: Booleans = is_seen(lost, value, numbers) & (lost > MISSED * np.abs(derivatives))
+    return kinked
 
 
 def lowest_eigenvalue(factors: Factors, n: int) -> float:
