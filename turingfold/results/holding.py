@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from ..parts import Solid
 from ..scene import Scene
+from .callers import level_outside
 
 SEEN = 1e-3  # of the least shear modulus times T: forces above this are told; round-off is below 1e-9
 
@@ -39,7 +40,7 @@ def warn_of_holding(scene: Scene, before: Sequence[Mapping[str, float]], force: 
     forces = (row.get("holding_force", 0.0) for row in before)
     largest = max((one for one in forces if one > 0), default=0.0)  # an empty cell, read back, is NaN
     if words and not holding_words(scene, largest):
-        warnings.warn(words, HoldingForceWarning, stacklevel=6)
+        warnings.warn(words, HoldingForceWarning, stacklevel=level_outside())
 
 
 def _least_shear_modulus(scene: Scene) -> float:

@@ -10,6 +10,7 @@ import warnings
 from contextlib import suppress
 from pathlib import Path
 
+from .callers import level_outside
 from .files import NO_LINK
 
 NAME = ".lock"
@@ -55,7 +56,7 @@ class FolderLock:
         except OSError as error:  # some network drives know no locks
             warnings.warn(
                 f"{self._file.parent} cannot be locked ({error.strerror}); run one scene at a time in it.",
-                stacklevel=6,
+                stacklevel=level_outside(),
             )
         self._descriptor = descriptor
         if not self._own():  # its last holder has removed the file in between

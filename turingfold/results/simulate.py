@@ -21,6 +21,7 @@ from ..solve.problem import Problem
 from ..solve.threads import one_thread
 from ..state import State
 from ..terms.boundary import crossings
+from .callers import level_outside
 from .document import origin
 from .files import FilePath
 from .holding import warn_of_holding
@@ -124,7 +125,7 @@ def coarseness(elements: float, remedy: str = "make size= smaller (elements= lar
 def _warn_if_coarse(scene: Scene) -> None:
     words = coarseness(scene.body.elements_through_cortex)
     if words and any("growth" in process.writes for process in scene.processes):
-        warnings.warn(words, CoarseMeshWarning, stacklevel=4)
+        warnings.warn(words, CoarseMeshWarning, stacklevel=level_outside())
 
 
 @dataclass
