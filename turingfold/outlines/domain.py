@@ -230,5 +230,17 @@ def _changes(
         dropped=tuple((one.centroid.x, one.centroid.y, one.area) for one in dropped),
         filled=len(filled),
         smallest_angle=float("nan"),
-        notes=(*given.notes, *given.doubts),
+        notes=(*given.notes, *given.doubts, *_bridged(delivered, len(dropped), len(filled), made.area)),
     )
+
+
+def _bridged(delivered: BaseGeometry, dropped: int, filled: int, made: BaseGeometry) -> list[str]:
+    """Return notes where walls that are near each other became one: pieces fused, sulci closed off."""
+    told = []
+    given, found = len(pieces(delivered)) - dropped, len(pieces(made))
+    if found < given:
+        told.append(f"{given} pieces of tissue became {found}, as their walls are too near for the elements")
+    given, found = len(hollows(delivered)) - filled, len(hollows(made))
+    if found > given:
+        told.append(f"{found - given} sulci were closed off, as their walls are too near for the elements")
+    return told
