@@ -26,8 +26,9 @@ class Changes:
     given thinner, as on the medial wall.  dropped: (x, y, area) of pieces too small for the elements; m and
     m².  filled: number of closed-off sulci that are too small.  smallest_angle: of the triangles, degrees.
     notes: what was repaired, in words.  expected: what elements and smoothing of a smooth outline move its
-    surface by at most, m.
-    Results of earlier versions do not tell moved_at_walls, thickened, filled and expected: None.
+    surface by at most, m.  starts: first points of the given pial curves, (x, y), m, from which shares of a
+    closed surface are counted.
+    Results of earlier versions do not tell moved_at_walls, thickened, filled and expected, None, nor starts.
     """
 
     moved: float
@@ -41,6 +42,7 @@ class Changes:
     filled: int | None = None
     notes: tuple[str, ...] = ()
     expected: float | None = None
+    starts: tuple[tuple[float, float], ...] = ()
 
     def placed(self, centre: Array, unit: float, smallest_angle: float) -> Changes:
         """Return the changes in m of what was made in units of `unit` around `centre`, (2, 1), m."""

@@ -70,19 +70,26 @@ class SurfaceTable:
         )  # fmt: skip
 
     def along(self, column: str, points: Array, *, between: str = "linear") -> Array:
-        """Return a column's values at the points (2, n) of a closed outline, (n,); shares begin at the first.
+        """Return a column's values at the points (2, n) of a closed outline, (n,).
 
+        Shares begin at the first and count counter-clockwise, as on the body that outline() makes of it.
         Lengths come in m, as outline(thickness=...) takes them, values without a unit ("g", "g [1]") as
         they are. Raises ValueError for another unit, and for points off the places.
         """
         k = self.columns.index(one_of("column", column, self.columns))
         values = _scale(column, self.units[k]) * np.array(self.values)[:, k]
         ring = finite_array("points", points, (2, None))
+        ahead = np.roll(ring, -1, axis=1)
+        clockwise = float(np.sum(ring[0] * ahead[1] - ring[1] * ahead[0])) < 0
+        order = np.r_[0, ring.shape[1] - 1 : 0 : -1] if clockwise else np.arange(ring.shape[1])
+        ring = ring[:, order]
         nodes = np.stack([ring, 0.5 * (ring + np.roll(ring, -1, axis=1))], axis=2).reshape(2, -1)
         curves = Curves((Curve(nodes, closed=True),))
         farthest = 0.25 * float(np.ptp(ring, axis=1).max())
         knots = arcs_of(self.places, curves, curves.length, farthest)
-        return _interpolated(curves.parts[0].arc[::2], knots, values, curves, between, ring)
+        found = np.empty(ring.shape[1])
+        found[order] = _interpolated(curves.parts[0].arc[::2], knots, values, curves, between, ring)
+        return found
 
 
 def checked_places(places: Places, count: int, what: str) -> Places:
@@ -141,7 +148,24 @@ def _on(body: Body, places: Places, values: Array, between: str, points: Array, 
         _check_symmetric(shares, values, closed=bool(ends.all()))
     length = curves.length * (2.0 if body.mirror else 1.0)
     knots = arcs_of(places, curves, length, body.thickness)
+    if shares.ndim == 1:
+        knots = _from_starts(body, knots)
     return _interpolated(arc, knots, values, curves, between, points)
+
+
+def _from_starts(body: Body, knots: Array) -> Array:
+    """Return arc lengths, of which those on closed parts count from where the outline's first point is.
+
+    Where the mesh starts such a part is by chance; bodies that no outline made have nothing else.
+    """
+    starts, before, found = np.array(body.changes.starts if body.changes else ()), 0.0, knots.copy()
+    for curve in body.pial_curves.parts if len(starts) else ():
+        away, _, arc = curve.nearest(starts.T)
+        k, on = int(np.argmin(away)), (knots >= before) & (knots <= before + curve.length)
+        if curve.closed and away[k] < body.thickness:
+            found[on] = before + (knots[on] - before + arc[k]) % curve.length
+        before += curve.length
+    return found
 
 
 def _check_symmetric(shares: Array, values: Array, *, closed: bool) -> None:

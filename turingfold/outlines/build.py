@@ -118,7 +118,8 @@ def outline(
     doubts = [] if white is None or thickness is None else _disagreement(loops, white, depth.typical)
     given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
     mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
-    changes = replace(changes, expected=max(MOVED * step, shortest, walls))
+    starts = tuple((float(x), float(y)) for x, y in (curve[:, 0] for curve in loops))
+    changes = replace(changes, expected=max(MOVED * step, shortest, walls), starts=starts)
     _warn(changes, given, shortest)
     even = interface is None and depth.at is None
     return Body(
