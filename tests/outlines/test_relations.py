@@ -170,3 +170,19 @@ def test_points_sorted_by_one_coordinate_are_not_in_order():
     by_place = by_place[:, np.argsort(by_place[0].round(6), kind="stable")]
     with pytest.raises(ValueError, match=r"points crosses itself .* the points are not in order"):
         outline(by_place, **CORTEX)
+
+
+def test_a_piece_without_a_white_surface_is_told():
+    left, right = (shifted(0.8, x) for x in (-0.03, 0.03))
+    with pytest.warns(OutlineWarning, match="50% of the area is in pieces without a white surface"):
+        outline([left, right], interface=[shifted(0.65, -0.03)], size=1.5e-3)
+
+
+def test_a_ventricle_half_of_which_lies_beyond_the_midline_is_taken():
+    t = np.linspace(-np.pi / 2, np.pi / 2, 80)
+    line = np.linspace(0.03, -0.03, 40)[1:-1]
+    half = np.hstack([[0.03 * np.cos(t), 0.03 * np.sin(t)], [np.zeros(38), line]])
+    ends = ((0.0, 0.03), (0.0, -0.03))
+    with pytest.warns(OutlineWarning, match="smaller"):
+        body = outline(half, thickness=3e-3, size=1.5e-3, base="roller", base_ends=ends, holes=[shifted(0.2)])
+    assert body.boundary_paths("hole")

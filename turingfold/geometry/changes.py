@@ -68,12 +68,18 @@ class Changes:
         }
         return (*self.notes, *(words for words, holds in told.items() if holds))
 
+    def _of_cortex(self) -> str:
+        if self.cortex is None or abs(self.cortex) <= MUCH:
+            return ""
+        thin = f", by thin parts {self.thickened:.2%}" if self.thickened else ""
+        return f"cortex {self.cortex:+.2%}{thin}"
+
     def __str__(self) -> str:
         told = [
             f"pial surface moved by at most {self.moved:.3g} m"
             + (f", {self.moved_at_walls:.3g} m where walls touch" if self.moved_at_walls else ""),
-            f"area lost {self.lost:.2%}, filled {self.added:.2%}",
-            f"cortex {self.cortex:+.2%}, by thin parts {self.thickened:.2%}" if self.thickened else "",
+            f"area lost {self.lost:.2%}, filled {max(self.added, 0.0):.2%}",
+            self._of_cortex(),
             f"{len(self.dropped)} pieces left out" if self.dropped else "",
             f"{self.filled} closed-off sulci filled" if self.filled else "",
             *self.notes,

@@ -32,6 +32,7 @@ ROUND_OFF = 1e-6  # share of the size below which lengths are no lengths
 FINE = 8  # samples of a curve per element
 NEAR = 0.02  # of the size: nodes so close to a smooth curve are put on it
 OFFSET = 0.011  # of the distance, by which shapely's offsets leave out points
+BARE = 0.05  # share of the area in pieces without white matter, from which on it is told
 DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the pial surface
 
 
@@ -164,6 +165,7 @@ def domain(
     if given.white is not None:
         below_it = own if smooth == 0 else even_odd(traced(given.white, step).polygons)
         ribbon = rough.difference(below_it).area
+        told += _without_white(area, own)
         changes = replace(
             changes,
             cortex=area.difference(white).area / ribbon - 1,
@@ -232,6 +234,14 @@ def _changes(
         smallest_angle=float("nan"),
         notes=(*given.notes, *given.doubts, *_bridged(delivered, len(dropped), len(filled), made.area)),
     )
+
+
+def _without_white(area: BaseGeometry, white: BaseGeometry) -> list[str]:
+    """Return a note on pieces that have no white surface, and are cortex throughout, if they are large."""
+    bare = sum(one.area for one in pieces(area) if not one.intersects(white))
+    if bare < BARE * area.area:
+        return []
+    return [f"{bare / area.area:.0%} of the area is in pieces without a white surface, and all of it cortex"]
 
 
 def _bridged(delivered: BaseGeometry, dropped: int, filled: int, made: BaseGeometry) -> list[str]:

@@ -16,7 +16,7 @@ from .region import enclosed, even_odd, pieces, segments
 
 INSIDE = 0.9  # share of the interface's area that lies inside the pial surface
 FILLED = 0.99  # share of the tissue that the interface encloses at most
-MOSTLY = 0.5  # share of a hole's area that lies inside the pial surface
+MOSTLY = 0.5 - 1e-6  # share of a hole's area that lies inside the pial surface
 SAME = 0.9  # of two holes: common area over that of both, from which on they are one
 SLIGHT = 1e-3  # share of the smaller of two curves' areas below which a common part is round-off
 CHANGED = 0.01  # share of a hole's area from which on a change is told
