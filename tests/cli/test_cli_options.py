@@ -134,8 +134,8 @@ def test_a_figure_that_cannot_be_drawn_is_refused_before_anything_runs(written, 
 
 def test_a_time_limit_stops_a_scene_which_goes_on_as_if_it_had_not_been(written, capsys):  # noqa: F811
     case = written(GROWS, step=0.04)
-    assert main(["run", case, "--max-seconds", "0.05"]) == 3
-    assert "the time limit of 0.05 s is reached" in unwrapped(capsys)
+    assert main(["run", case, "--max-seconds", "0.005"]) == 3
+    assert "the time limit of 0.005 s is reached" in unwrapped(capsys)
     result = load_unfinished("results/tiny/grows")
     assert result.status == "stopped"
     assert result.last.time == (result.history[-1]["time"] if result.history else 0.0)
@@ -154,8 +154,8 @@ def load_unfinished(folder):
 def test_a_time_limit_stops_points_of_a_study(written, capsys):  # noqa: F811
     case = written(GROWS, step=0.04)
     words = ["sweep", case, "--vary", "TangentialGrowth.cortex=1.1", "--keep", "summary"]
-    assert main([*words, "--max-seconds", "0.05"]) == 3
-    assert "the time limit of 0.05 s is reached" in unwrapped(capsys)
+    assert main([*words, "--max-seconds", "0.005"]) == 3
+    assert "the time limit of 0.005 s is reached" in unwrapped(capsys)
     assert main([*words, "--resume"]) == 0
 
 

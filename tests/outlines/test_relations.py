@@ -186,3 +186,21 @@ def test_a_ventricle_half_of_which_lies_beyond_the_midline_is_taken():
     with pytest.warns(OutlineWarning, match="smaller"):
         body = outline(half, thickness=3e-3, size=1.5e-3, base="roller", base_ends=ends, holes=[shifted(0.2)])
     assert body.boundary_paths("hole")
+
+
+@pytest.mark.parametrize("gap", [0.0, 3e-5, -1e-3])
+@pytest.mark.parametrize("size", [0.7e-3, 1.5e-3])
+def test_a_white_surface_that_ends_on_the_base_does_so_in_the_mesh(gap, size):
+    """Half ellipses cut at the midline, the white one at a distance that is round-off of a drawing."""
+    pial, white = (
+        shapely.Polygon(curve.T) & shapely.box(at, -1.0, 1.0, 1.0)
+        for curve, at in ((PIAL, 0.0), (0.9 * PIAL, gap))
+    )
+    points, interface = (np.array(one.exterior.coords)[:-1].T for one in (pial, white))
+    ends = ((0.0, 0.022), (0.0, -0.022))
+    body = outline(points, interface=[interface], size=size, base="roller", base_ends=ends)
+    assert body.changes.smallest_angle > 20
+    assert len(body.interface_paths) == 1
+    cortex = body.quadrature.weights[:, body.in_cortex].sum()
+    assert cortex == pytest.approx(0.5 * AREA * (1 - 0.9**2), rel=2e-3)
+    assert np.ptp(body.nodes[0, body.boundary_paths("base")[0].nodes]) == 0.0

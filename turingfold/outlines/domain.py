@@ -33,6 +33,7 @@ FINE = 8  # samples of a curve per element
 NEAR = 0.02  # of the size: nodes so close to a smooth curve are put on it
 OFFSET = 0.011  # of the distance, by which shapely's offsets leave out points
 BARE = 0.05  # share of the area in pieces without white matter, from which on it is told
+NEAR_BASE = 0.6  # of the size: how far from a base a white surface ends on it
 DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the pial surface
 
 
@@ -133,7 +134,8 @@ def domain(
             "extent squared; use smaller elements (size=...)."
         )
     pial = area.boundary.difference(bases.buffer(ROUND_OFF * size)) if given.bases else area.boundary
-    within = None if given.white is None else traced(given.white, step, smooth)
+    white = None if given.white is None else [_beyond(one, surface.bases, size) for one in given.white]
+    within = None if white is None else traced(white, step, smooth)
     even = thickness.at is None and within is None
     if even:
         _refuse_thick(area, pial, thickness.typical, unit)
@@ -141,9 +143,8 @@ def domain(
     least = min(size, 0.9 * thickness.typical)
     allowed = own if even else below(area, pial, least)
     raw = own.intersection(allowed)
-    white = smoothed(raw, size, 0.25 * size).intersection(allowed)
-    white = unchanged_near(bases, white, raw, size)
-    white, walls, holes = large(white, size**2), None, MultiPolygon()
+    inner = smoothed(raw, size, 0.25 * size).intersection(allowed)
+    inner, walls, holes = large(unchanged_near(bases, inner, raw, size), size**2), None, MultiPolygon()
     told: list[str] = []
     if given.holes:
         walls = traced(given.holes, step, smooth)
@@ -151,27 +152,45 @@ def domain(
         asked = united(walls.polygons)
         holes = large(smoothed(asked.intersection(deep), size, 0.5 * size), size**2)
         told = of_holes(asked if given.steps else united(given.holes), measured, holes, unit)
-        white = large(white.union(holes.buffer(size)).intersection(below(area, pial, least)), size**2)
-    if white.is_empty:
+        inner = large(inner.union(holes.buffer(size)).intersection(below(area, pial, least)), size**2)
+    if inner.is_empty:
         raise ValueError(
             "thickness leaves no white matter anywhere inside the outline; use a thinner cortex, and the "
             "same unit for thickness and points."
         )
     made = Domain(
-        area, white, holes, surface.bases, surface, within, walls, size, thickness.typical if even else 0.0,
+        area, inner, holes, surface.bases, surface, within, walls, size, thickness.typical if even else 0.0,
     )  # fmt: skip
     rough = measured if smooth == 0 else even_odd(traced(given.pial, step, 0.0, given.bases).polygons)
     changes = _changes(given, rough, measured, made, inset)
     if given.white is not None:
-        below_it = own if smooth == 0 else even_odd(traced(given.white, step).polygons)
+        below_it = even_odd(traced(given.white, step).polygons)
         ribbon = rough.difference(below_it).area
         told += _without_white(area, own)
         changes = replace(
             changes,
-            cortex=area.difference(white).area / ribbon - 1,
+            cortex=area.difference(inner).area / ribbon - 1,
             thickened=own.intersection(area).difference(allowed).area / ribbon,
         )
     return made, replace(changes, notes=(*changes.notes, *told))
+
+
+def _beyond(curve: Array, bases: list[Array], size: float) -> Array:
+    """Return a white surface, (2, n), whose points near a base are moved beyond it.
+
+    As drawn they are on it but for round-off, and leave slits of cortex between white matter and the base.
+    """
+    moved = curve.copy()
+    for base in bases:
+        line, step = LineString(base.T), np.diff(base, axis=1)
+        arc = np.concatenate([[0.0], np.cumsum(np.hypot(*step))])
+        at = line.project(shapely.points(curve.T))
+        near = shapely.distance(line, shapely.points(curve.T)) < NEAR_BASE * size
+        k = np.clip(np.searchsorted(arc, at[near], side="right") - 1, 0, step.shape[1] - 1)
+        outward = np.stack([step[1, k], -step[0, k]]) / np.hypot(*step[:, k])  # bases run counter-clockwise
+        foot = shapely.get_coordinates(line.interpolate(at[near])).T
+        moved[:, near] = foot + size * outward
+    return moved
 
 
 def _white(area: MultiPolygon, pial: BaseGeometry, thickness: Thickness, size: float) -> BaseGeometry:
