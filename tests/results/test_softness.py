@@ -92,9 +92,13 @@ def test_it_vanishes_at_the_growth_at_which_the_body_buckles(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scene", "coarse", "fine"), [(rough, (2, 3), (4, 6)), (bumpy, (3, 4), (5, 6))])
+@pytest.mark.parametrize(("scene", "coarse", "fine"), [(rough, (2, 3), (4, 6)), (bumpy, (4, 4.5), (5, 6))])
 def test_a_mesh_that_ends_before_a_snap_is_told(scene, coarse, fine):
-    """Errors estimated on the coarse ones, below 4 %, leave out that fine ones fold otherwise."""
+    """Errors estimated on the coarse ones, below 4 %, leave out that fine ones fold otherwise.
+
+    Not all are: with 3 and 3.5 elements the bumpy one has 0.062 and 0.082. These were 3 and 4 elements, until
+    closed outlines were meshed in another way.
+    """
     before, after = ([simulate(scene(n), errors=True) for n in meshes] for meshes in (coarse, fine))
     indices = [[result.summary()["gyrification_index"] for result in results] for results in (before, after)]
     assert max(indices[0]) + 0.015 < min(indices[1])
