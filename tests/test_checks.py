@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from turingfold.checks import file_path, finite_array
+from turingfold.checks import file_path, finite, finite_array
 
 
 @pytest.mark.parametrize(
@@ -13,6 +13,7 @@ from turingfold.checks import file_path, finite_array
         ([1.0, 2.0 + 0j], "points is complex; it must be real"),
         (np.array([1.0, 2.0j], dtype=object), "must be an array of numbers"),
         (["one", "two"], "must be an array of numbers"),
+        (["one"] * 5000, "points=.{100,200} must be an array of numbers"),
         ([[1.0], [2.0, 3.0]], "must be an array of numbers"),
         ([1.0, np.nan], r"points is nan at index \(1,\)"),
         ([1.0, 2.0, 3.0], r"shape \(3,\); it must be \(2,\)"),
@@ -21,6 +22,11 @@ from turingfold.checks import file_path, finite_array
 def test_arrays_that_are_not_real_are_refused(value, message):
     with pytest.raises(ValueError, match=message):
         finite_array("points", value, (2,))
+
+
+def test_an_array_in_place_of_a_number_is_told_by_its_shape():
+    with pytest.raises(ValueError, match=r"^size=an array of shape \(99,\) must be a finite number\.$"):
+        finite("size", np.ones(99))
 
 
 def test_real_arrays_are_taken_over_without_a_copy():

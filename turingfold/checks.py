@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+FEW, LONGEST = 6, 200  # values of an array, and signs, that a message repeats
+
 
 def finite(name: str, value: Any, remedy: str = "") -> float:
     """Return value as a float if it is a finite real number."""
@@ -73,7 +75,7 @@ def real_array(name: str, value: Any) -> NDArray[np.float64]:
         complex_numbers = given.dtype.kind == "c"
         array = np.asarray(given.real if complex_numbers else given, dtype=float)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}={value!r} must be an array of numbers.") from error
+        raise ValueError(f"{name}={_shown(value)} must be an array of numbers.") from error
     if complex_numbers:
         raise ValueError(f"{name} is complex; it must be real: give points as rows of x and of y.")
     return array
@@ -92,6 +94,14 @@ def finite_array(name: str, value: Any, shape: tuple[int | None, ...]) -> NDArra
     return array
 
 
+def _shown(value: Any) -> str:
+    """Return a value as Python writes it; of many numbers and long texts only the ends."""
+    if isinstance(value, np.ndarray) and value.size > FEW:
+        return f"an array of shape {value.shape}"
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} ... {text[-LONGEST // 4 :]}"
+
+
 def _message(name: str, value: Any, bound: str, remedy: str) -> str:
-    shown = f"{value:g}" if isinstance(value, float) else repr(value)
+    shown = f"{value:g}" if isinstance(value, float) else _shown(value)
     return f"{name}={shown} must be {bound}" + (f"; {remedy}" if remedy else "") + "."

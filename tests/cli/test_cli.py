@@ -433,6 +433,9 @@ def test_compare_puts_results_side_by_side(written, tmp_path, capsys):
     assert "gyrification index" in out
     assert (tmp_path / "c.png").exists()
     assert main(["compare", folders[0], str(tmp_path)]) == 2
+    capsys.readouterr()
+    assert main(["compare", folders[0], "nofile.csv"]) == 2
+    assert "there is no file or folder nofile.csv; name" in unwrapped(capsys)
     assert main(["compare", folders[0], "results/tiny"]) == 2
     assert "holds several results; name one of results/tiny/first-one" in unwrapped(capsys)
     (tmp_path / "results/tiny/tiny.png").unlink()

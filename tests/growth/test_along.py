@@ -182,6 +182,17 @@ def test_values_of_a_table_have_the_unit_of_their_column(tmp_path, unit, metres)
     [
         (GrowthMap, {"places": (0.1, 0.2, 0.3)}, "places has 3 and cortex 2 entries"),
         (GrowthMap, {"places": (0.1, 1.2)}, r"places holds 1\.2"),
+        (
+            GrowthTable,
+            {"cortex": ((1.0, 1.0), (1.2, 5.2))},
+            r"at place 1 lengths grow by 5\.2 from week 28 to ",
+        ),
+        (
+            GrowthTable,
+            {"cortex": ((1.0, 1.0), (0.2, 1.0))},
+            r"place 0 .* by 0\.2 .* between 0\.3 and 5.* area",
+        ),
+        (GrowthTable, {"cortex": ((1.0, 1.0), (26.0, 1.0)), "of": "area"}, r"place 0 lengths grow by 5\.099"),
         (GrowthMap, {"between": "spline"}, "between='spline'"),
         (GrowthTable, {"at": (30.0, 28.0)}, r"at=\(30\.0, 28\.0\)"),
         (GrowthTable, {"at": (30.0, 40.0)}, "from week 30 to 40, and the scene begins at 28"),
@@ -195,6 +206,13 @@ def test_wrong_tables_are_refused_by_name(kind, change, message):
         options |= {"at": (28.0, 40.0), "cortex": ((1.0, 1.0), (1.2, 1.3))}
     with pytest.raises(ValueError, match=message):
         kind(**(options | change))
+
+
+def test_areas_grow_by_squares_and_ages_before_the_scene_do_not_count():
+    at, growth = (22.0, 28.0, 40.0), ((0.1,), (1.0,), (24.0,))
+    GrowthTable(at=at, cortex=growth, places=(0.0,), of="area")
+    with pytest.raises(ValueError, match="lengths grow by 24 from week 28 to week 40"):
+        GrowthTable(at=at, cortex=growth, places=(0.0,))
 
 
 def test_places_off_the_surface_are_refused(disc):

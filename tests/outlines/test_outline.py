@@ -178,10 +178,26 @@ def test_a_slanted_base_meets_the_interface_on_a_node():
         ({"thickness": 1.2}, "hardly any white matter"),
         ({"thickness": 1e-4, "size": 5e-5}, "same unit"),
         ({"thickness": None}, "thickness is missing"),
-        ({"thickness": np.ones(3)}, r"thickness has shape \(3,\)"),
+        ({"thickness": np.ones(3)}, "thickness has 3 values"),
         ({"thickness": 0.1 - 0.2 * (np.arange(240) == 3)}, r"thickness is -0\.1 m at point 3"),
         ({"size": None}, "say either size"),
         ({"hole": "open"}, "hole='open'"),
+        ({"hole": "clamped"}, "hole='clamped' .* there are none; give holes="),
+        ({"holes": 3}, r"holes has shape \(\)"),
+        ({"thickness": np.ones(239)}, "thickness has 239 values, and its curve 240 points"),
+        ({"thickness": [np.ones(240)] * 2}, "thickness has 2 rows of values, and points has 1"),
+        ({"thickness": []}, "thickness has 0 values"),
+        (
+            {"points": [circle(), 3 + circle(100)], "thickness": [np.ones(240), np.ones(99)]},
+            r"thickness\[1\] has 99 values, and its curve 100 points",
+        ),
+        (
+            {"points": [circle(), 3 + circle()], "thickness": np.ones(240)},
+            "1 rows of values, and points has 2",
+        ),
+        ({"points": [circle(), 3 + circle()], "thickness": [0.1, 0.1]}, "1 rows of values, and points has 2"),
+        ({"thickness": np.full(240, 0.1), "interface": 0.9 * circle()}, "beside interface it must be one"),
+        ({"thickness": lambda at: 0.1 + at[0], "interface": 0.9 * circle()}, "beside interface it must be"),
         ({"inset": 0.0}, "inset=0"),
         ({"base": "roller"}, "needs base_ends"),
         ({"base": "clamped", "base_ends": ((1, 0), (1, 0))}, "same point"),
@@ -191,6 +207,14 @@ def test_a_slanted_base_meets_the_interface_on_a_node():
 def test_bad_input_is_refused_by_name(change, message):
     with pytest.raises(ValueError, match=message):
         outline(**({"points": circle(), "thickness": 0.1, "size": 0.05} | change))
+
+
+def test_without_holes_may_be_said_by_none_and_one_curve_by_a_list_of_one(disc):
+    bodies = (outline([circle()], thickness=np.full(240, 0.1), size=0.05),)
+    bodies += (outline(circle(), thickness=0.1, size=0.05, holes=None),)
+    for body in bodies:
+        assert body.boundary_paths("hole") == ()
+        assert body.quadrature.weights.sum() == pytest.approx(disc.quadrature.weights.sum(), rel=1e-12)
 
 
 def test_an_eight_becomes_its_two_loops_and_says_so():

@@ -211,8 +211,10 @@ def _chosen(path: Path, option: str, which: str | None, curves: Sequence[Array],
 def scene_folder(path: Path) -> Path:
     """Return the folder of a scene's result: the one that is named, or the only one in that of a case.
 
-    Raises ValueError where a case's folder holds several.
+    Raises ValueError where a case's folder holds several, or nothing is there.
     """
+    if not path.exists():
+        raise ValueError(f"there is no file or folder {path}; name the folder of a result, or an outline.")
     if (path / "scene.json").exists():
         return path
     found = sorted(file.parent for file in path.glob("*/scene.json"))

@@ -78,7 +78,7 @@ class GrowthTable(GrowthLaw):
     between the ages of the table.
     at: ages of the table's rows, increasing, in the unit of `ages`; they hold all ages from start to end.
     cortex: a row of values to each age, one to each place; only their ratios matter, so that they may be
-    sizes, or growth since any age.
+    sizes, or growth since any age. From the scene's start on lengths grow by factors from 0.3 to 5.
     of: "length" along the surface, or "area" of the cortex, which grows as the square of a length.
     places, between, out_of_plane: as of `GrowthMap`.  ages: which times of the scene are which ages.
     """
@@ -113,6 +113,8 @@ class GrowthTable(GrowthLaw):
                 f"at goes from {self.ages.unit} {at[0]:g} to {at[-1]:g}, and the scene begins at {start:g}; "
                 "give rows for all its ages."
             )
+        for age in at[at > start]:
+            self._check(age, self._lengths(age))
 
     @classmethod
     def read(
@@ -140,18 +142,33 @@ class GrowthTable(GrowthLaw):
 
     def factors(self, body: Body, state: State, time: float) -> tuple[Array, Array]:
         """Return g_t and g_n = 1 at a time; raises InadmissibleStateError beyond the table's last age."""
-        now, start = self.ages.age(time), self.ages.age(0.0)
+        now = self.ages.age(time)
         if now > self.at[-1] * (1 + SLACK):
             raise InadmissibleStateError(
                 f"GrowthTable: t = {time:.4g} is {self.ages.unit} {now:.4g}, but the table ends at "
                 f"{self.at[-1]:g}; end the scene earlier, or give more rows.",
                 time=time,
             )
-        rows = np.array(self.cortex)
-        size, before = (np.array([np.interp(age, self.at, row) for row in rows.T]) for age in (now, start))
+        return _grown(body, on_surface(body, self.places, self._lengths(now), self.between))
+
+    def _lengths(self, age: float) -> Array:
+        """Return by how much lengths have grown at an age at each of the places, (k,)."""
+        columns, when = np.array(self.cortex).T, (self.ages.age(0.0), age)
+        before, size = np.array([np.interp(when, self.at, column) for column in columns]).T
         ratio = size / before
-        values = np.sqrt(ratio) if self.of == "area" else ratio
-        return _grown(body, on_surface(body, self.places, values, self.between))
+        return np.asarray(np.sqrt(ratio) if self.of == "area" else ratio)
+
+    def _check(self, age: float, lengths: Array) -> None:
+        """Raise ValueError for factors of growth outside 0.3 to 5, naming the place and the age."""
+        k = int(np.argmax(np.abs(np.log(lengths))))
+        if not 0.3 <= lengths[k] <= 5.0:
+            unit, start = self.ages.unit, self.ages.age(0.0)
+            remedy = "" if self.of == "area" else ', or of="area" where the values are areas'
+            raise ValueError(
+                f"cortex: at place {k} lengths grow by {lengths[k]:.4g} from {unit} {start:g} to {unit} "
+                f"{age:g}; the factor must be between 0.3 and 5. Leave out the ages that the scene does not "
+                f"reach, or correct the values{remedy}."
+            )
 
 
 def _grown(body: Body, local: Array) -> tuple[Array, Array]:

@@ -109,7 +109,10 @@ def outline(
     white = None if interface is None else closed_loops("interface", interface)
     if white is not None:
         refuse_interface(loops, white)
-    ventricles = closed_loops("holes", holes) if len(holes) else []
+    none = holes is None or (hasattr(holes, "__len__") and len(holes) == 0)
+    ventricles = [] if none else closed_loops("holes", holes)
+    if hole != "free" and none:
+        raise ValueError(f"hole={hole!r} holds the walls of holes, and there are none; give holes=....")
     refuse_holes(loops, ventricles)
     depth = _thickness(points, loops, thickness, white)
     step = _size(size, elements, depth, loops)
@@ -207,6 +210,11 @@ def _filled(
 def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] | None) -> Thickness:
     """Return the thickness of the cortex: a number, and where it varies a function of place, too."""
     if white is not None:
+        if callable(given) or isinstance(given, (list, tuple)) or np.ndim(given):
+            raise ValueError(
+                "thickness varies from place to place, and beside interface it must be one number, that of "
+                "the layers: how thick the cortex is, the interface says. Leave out one of both."
+            )
         typical = _own_depth(loops, white) if given is None else positive("thickness", given)
         return Thickness(typical, None)
     if given is None:
@@ -214,15 +222,13 @@ def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] |
     if callable(given):
         at = np.concatenate(loops, axis=1)
         return Thickness(float(np.mean(_positive(given(at), at.shape[1]))), lambda x: np.asarray(given(x)))
-    if np.ndim(given) == 0 and not isinstance(given, (list, tuple)):
+    if not isinstance(given, (list, tuple)) and np.ndim(given) == 0:
         return Thickness(positive("thickness", given), None)
-    curves = points if isinstance(given, (list, tuple)) and np.ndim(given[0]) == 1 else [points]
-    values = given if curves is points else [given]
     where, thick = [], []
-    for curve, value in zip(curves, values, strict=True):
+    for name, curve, value in _by_curve(points, given):
         curve = np.asarray(curve, dtype=float)
         curve = curve if curve.shape[0] == 2 else curve.T
-        value = _positive(value, curve.shape[1])
+        value = _positive(value, curve.shape[1], name)
         s = np.arange(0, curve.shape[1] + 1 / 32, 1 / 16)  # so dense that the nearest one will do
         ring = np.concatenate([curve, curve[:, :1]], axis=1)
         where.append([np.interp(s, np.arange(ring.shape[1]), x) for x in ring])
@@ -258,11 +264,30 @@ def _disagreement(loops: list[Array], white: list[Array], thickness: float) -> l
     ]
 
 
-def _positive(values: Any, count: int) -> Array:
-    found = finite_array("thickness", values, (count,))
+def _by_curve(points: Any, given: Any) -> list[tuple[str, Any, Any]]:
+    """Return each curve of points with its values of thickness, and what to call these."""
+    several = isinstance(points, (list, tuple)) and all(np.ndim(one) == 2 for one in points)
+    curves = list(points) if several else [points]
+    values = list(given) if any(np.ndim(one) for one in given) else [given]
+    if len(values) != len(curves):
+        raise ValueError(
+            f"thickness has {len(values)} rows of values, and points has {len(curves)} curves; give a list "
+            "with an array for each curve, one number for all, or a function of place."
+        )
+    one = len(curves) == 1
+    names = ["thickness"] if one else [f"thickness[{k}]" for k in range(len(curves))]
+    return list(zip(names, curves, values, strict=True))
+
+
+def _positive(values: Any, count: int, name: str = "thickness") -> Array:
+    if np.ndim(values) == 1 and len(values) != count:
+        raise ValueError(
+            f"{name} has {len(values)} values, and its curve {count} points; give one value for each."
+        )
+    found = finite_array(name, values, (count,))
     if found.min() <= 0:
         k = int(np.argmin(found))
-        raise ValueError(f"thickness is {found[k]:g} m at point {k}; it must be positive everywhere.")
+        raise ValueError(f"{name} is {found[k]:g} m at point {k}; it must be positive everywhere.")
     return found
 
 

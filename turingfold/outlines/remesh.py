@@ -40,7 +40,7 @@ def remeshed(body: Body, state: State, *, size: float, inset: float) -> Body:
     traced = [ring[:, :-1] for ring in rings(even_odd(sampled(body.pial_paths)).buffer(-inset))]
     if not traced:
         raise ValueError(f"inset={inset:g} m leaves nothing of the body; use a smaller one.")
-    even = body.depth_by == "thickness"
+    even, walls = body.depth_by == "thickness", body.boundary_paths("hole")
     made = outline(
         traced,
         thickness=body.thickness if even else None,
@@ -48,8 +48,8 @@ def remeshed(body: Body, state: State, *, size: float, inset: float) -> Body:
         layers=body.layers,
         smooth=inset,
         interface=None if even else sampled(body.interface_paths),
-        holes=sampled(body.boundary_paths("hole")),
-        hole=body.hole,
+        holes=sampled(walls),
+        hole=body.hole if walls else "free",
     )
     return replace(made, thickness=body.thickness)
 
