@@ -18,7 +18,7 @@ import turingfold
 PACKAGE = Path(turingfold.__file__).parent
 # from the bottom up: a file imports from rooms below its own, and from its own without going in circles
 ROOMS = (
-    ("arrays", "checks", "errors"),
+    ("arrays", "checks", "errors", "memory"),
     ("geometry",),
     ("morphometry", "state", "stepping"),
     ("parts",),

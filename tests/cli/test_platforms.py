@@ -19,7 +19,7 @@ POSIX = {"fcntl", "resource", "pwd", "grp", "termios", "tty", "pty", "syslog", "
 CALLS = {"fork", "forkpty", "killpg", "setsid", "getuid", "geteuid", "getpgid", "mkfifo", "uname", "chown"}
 SIGNALS = {"SIGKILL", "SIGHUP", "SIGUSR1", "SIGALRM", "SIGPIPE", "SIGQUIT", "SIGCHLD"}
 GUARDED = {  # imports that have another way beside them
-    ("results/lock.py", "fcntl"), ("solve/memory.py", "resource"),
+    ("results/lock.py", "fcntl"), ("memory.py", "resource"),
 }  # fmt: skip
 SPAWNS = """
 import multiprocessing
@@ -57,7 +57,7 @@ def test_nothing_is_posix_only():
 
 
 def test_without_fcntl_and_resource_a_folder_is_locked_and_memory_is_not_told(monkeypatch, tmp_path):
-    from turingfold.solve import memory
+    from turingfold import memory
 
     monkeypatch.setattr(memory, "find_spec", lambda name: None)
     monkeypatch.setattr(memory, "MEMINFO", tmp_path / "none")

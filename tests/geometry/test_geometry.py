@@ -1,5 +1,7 @@
 """Semi-circle and semi-ellipse: area, thickness, layers on edges, symmetry, triangles, bad input."""
 
+import re
+
 import numpy as np
 import pytest
 from checks import message_names
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from skfem import MeshTri1
 
+from turingfold import memory
 from turingfold.geometry.body import Body
 from turingfold.geometry.mirror import half
 from turingfold.geometry.shapes import semicircle, semiellipse
@@ -276,4 +279,14 @@ def test_millimetres_taken_for_metres_are_noticed():
 def test_lengths_in_different_units_are_refused_at_once():
     with pytest.raises(ValueError, match="same unit") as failure:
         semicircle(radius=40.4, thickness=2.5, size=2.5e-3)
-    message_names(failure.value, "size=0.0025", "gray triangles")
+    message_names(failure.value, "size=0.0025", "triangles", "GB of memory")
+
+
+@pytest.mark.parametrize("options", [{}, {"along": 3.0}, {"coarsening": 1.0}, {"elements": 12}])
+def test_triangles_expected_are_those_made_and_too_many_refused(options, monkeypatch):
+    shape = {"width": 2.0, "height": 0.9, "thickness": 0.06, "elements": 4} | options
+    made = semiellipse(**shape).mesh.nelements
+    monkeypatch.setattr(memory, "memory_left", lambda: 1e5)
+    with pytest.raises(ValueError, match=r"triangles, .* GB are left") as told:
+        semiellipse(**shape)
+    assert float(re.search("about (.*?) triangles", str(told.value))[1]) == pytest.approx(made, rel=0.3)

@@ -1,11 +1,15 @@
 """Bodies from curves: exact shapes, what is repaired and how that is told, what is refused."""
 
+import re
+from time import perf_counter
+
 import numpy as np
 import pytest
 import shapely
 from planar import area
 from scipy.interpolate import CubicSpline
 
+from turingfold import memory
 from turingfold.outlines import RefinementDisc, outline
 from turingfold.outlines.fill import angles
 from turingfold.outlines.line import line
@@ -181,6 +185,7 @@ def test_a_slanted_base_meets_the_interface_on_a_node():
         ({"thickness": np.ones(3)}, "thickness has 3 values"),
         ({"thickness": 0.1 - 0.2 * (np.arange(240) == 3)}, r"thickness is -0\.1 m at point 3"),
         ({"size": None}, "say either size"),
+        ({"size": 1e-3, "fine": RefinementDisc((1.0, 0.0), 0.05, 0.01)}, "same unit"),
         ({"hole": "open"}, "hole='open'"),
         ({"hole": "clamped"}, "hole='clamped' .* there are none; give holes="),
         ({"holes": 3}, r"holes has shape \(\)"),
@@ -207,6 +212,19 @@ def test_a_slanted_base_meets_the_interface_on_a_node():
 def test_bad_input_is_refused_by_name(change, message):
     with pytest.raises(ValueError, match=message):
         outline(**({"points": circle(), "thickness": 0.1, "size": 0.05} | change))
+
+
+@pytest.mark.parametrize("options", [{}, {"grading": 0.1}, {"fine": RefinementDisc((1.0, 0.0), 0.3, 0.2)}])
+@pytest.mark.parametrize("thickness", [0.1, 0.02])
+def test_triangles_expected_are_those_made_and_too_many_refused(thickness, options, monkeypatch):
+    given = {"points": circle(), "thickness": thickness, "size": 0.02, **options}
+    made = outline(**given).mesh.nelements
+    monkeypatch.setattr(memory, "memory_left", lambda: 1e6)
+    before = perf_counter()
+    with pytest.raises(ValueError, match=r"^size=0\.02 m .* triangles, .* GB are left") as told:
+        outline(**given)
+    assert perf_counter() - before < 1.0
+    assert float(re.search("about (.*?) triangles", str(told.value))[1]) == pytest.approx(made, rel=0.4)
 
 
 def test_without_holes_may_be_said_by_none_and_one_curve_by_a_list_of_one(disc):

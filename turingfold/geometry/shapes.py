@@ -13,11 +13,11 @@ from skfem import MeshTri2
 
 from ..arrays import Array, Integers
 from ..checks import one_of, positive
+from ..memory import refuse_too_many
 from .body import BASES, Body
 from .mirror import FLIP
 from .triangles import straight_mesh
 
-MOST = 2e6  # triangles in the cortex
 LARGEST = 5.0  # m, half a body; models in units of their own have a radius of about 1
 SLENDER = 4.0  # at most, edges across over edges along the cortex
 CORE, COARSEST = 0.1, 0.2  # of the core's radius: how large its elements may be, that of a coarse cortex too
@@ -73,12 +73,8 @@ def semiellipse(
             f"({min(a, b) / 2:g} m) and the smallest radius of curvature ({sharpest:g} m); use a thinner "
             "cortex."
         )
-    triangles = 8 * along * (a + b) * thickness / size**2
-    if triangles > MOST:
-        raise ValueError(
-            f"size={size:g} m would make about {triangles:.1g} gray triangles, more than {MOST:.0e}; are "
-            f"size, thickness={thickness:g} and width={2 * a:g} in the same unit?"
-        )
+    question = f"are size, thickness={thickness:g} and width={2 * a:g} in the same unit?"
+    refuse_too_many(_triangles(a, b, thickness, size, along, coarsening), size, question)
     if size > 2 * thickness:
         raise ValueError(
             f"size={size:g} m must be at most twice the thickness {thickness:g} m; use smaller elements."
@@ -103,6 +99,25 @@ def element_size(size: float | None, elements: float | None, thickness: float) -
     if elements is None:
         return positive("size", size)
     return positive("thickness", thickness) / positive("elements", elements)
+
+
+def _triangles(
+    a: float, b: float, thickness: float, size: float, along: float, coarsening: float
+) -> float:  # fmt: skip
+    """Return about how many triangles half an ellipse gets: layers of the cortex, then coarser ones.
+
+    Of two and fewer elements through the cortex it is up to twice as many as are made.
+    """
+    arc = 0.5 * np.pi * (3 * (a + b) - np.sqrt((3 * a + b) * (a + 3 * b)))
+    layer = 2 * along * arc / size
+    coarsest = max(size, _coarsest(size, thickness) * 0.5 * (a + b))
+    coarsened = np.pi * a * b / coarsest**2 + layer / along * coarsening / max(coarsening - 1, 1e-9)
+    return float(layer * thickness / size + min(np.pi * a * b / size**2, coarsened))
+
+
+def _coarsest(size: float, thickness: float) -> float:
+    """Return how large elements of the core may be, as a share of its radius."""
+    return CORE * min(1.0, OF_CORE * size / thickness)
 
 
 # The right half is built from rings, then mirrored: symmetry holds to the last bit.
@@ -142,7 +157,7 @@ def _quarter_mesh(
 
     mean_radius = 0.5 * (a + b) - thickness
     share, step, count = 1.0, max(size, arc / around) / mean_radius, around
-    coarsest = min(max(CORE * min(1.0, OF_CORE * size / thickness), step), COARSEST)
+    coarsest = min(max(_coarsest(size, thickness), step), COARSEST)
     while count > 2:
         step = min(step * coarsening, coarsest)
         share -= step

@@ -16,16 +16,16 @@ from ..geometry.body import BASES, Body
 from ..geometry.changes import Changes, OutlineWarning
 from ..geometry.shapes import element_size
 from ..geometry.units import note_large
+from ..memory import refuse_too_many
 from .domain import Given, Thickness, domain
 from .frame import RESOLUTION, Size
 from .loops import closed_loops, large_enough, placed_bases
 from .mesh import meshed
-from .region import nearest, segments
+from .region import even_odd, nearest, segments
 from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface, tangled
 from .section import Section
 
 HOLES = ("free", "clamped")
-MOST = 2e6  # triangles in the cortex
 VOXELS = 1.5  # over which their steps are smoothed: so rasterised discs and ellipses have no fold left
 STEPS = "steps of voxels smoothed away over {:.3g} m, 1.5 voxels (smooth=0 keeps them)"
 MOVED = 0.5  # of the size: so far rounding moves the pial surface of a smooth outline at most
@@ -118,6 +118,10 @@ def outline(
     step = _size(size, elements, depth, loops)
     walls = step / 4 if inset is None else positive("inset", inset)
     finest = _finest(fine, step, grading)
+    refuse_too_many(
+        _triangles(loops, depth.typical, step, grading, fine), step,
+        f"are size, thickness={depth.typical:g} and points in the same unit?",
+    )  # fmt: skip
     doubts = [] if white is None or thickness is None else _disagreement(loops, white, depth.typical)
     given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
     mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
@@ -167,6 +171,22 @@ def _given(
     doubts = [*doubts, *crossing(loops), *inside(loops), *tangled("hole {}", holes)]
     bases = placed_bases(loops, base_ends, least[0])
     return Given(loops, bases, white, holes, tuple(notes), tuple(doubts), steps=least[1] > 0)
+
+
+def _triangles(loops: list[Array], thickness: float, size: float, grading: float, fine: Any) -> float:
+    """Return about how many triangles the inside of curves gets, of 0.43 size² each.
+
+    In the cortex they are of one size, or smaller in the discs `fine`, and grow by `grading` below it.
+    """
+    ahead = [np.roll(loop, -1, axis=1) - loop for loop in loops]
+    along = np.concatenate([np.hypot(*step) for step in ahead])
+    middles = np.concatenate([loop + 0.5 * step for loop, step in zip(loops, ahead, strict=True)], axis=1)
+    gray, white = along.sum() * thickness, along.sum() * size / max(grading, 1e-9)
+    count = min(gray + white, even_odd(loops).area) / size**2
+    for disc in fine if isinstance(fine, (tuple, list)) else (fine,):
+        inside = min(along[disc.away(middles) == 0].sum() * thickness, np.pi * disc.radius**2)
+        count += inside / (disc.share * size) ** 2
+    return float(2.3 * count)
 
 
 def _finest(fine: Any, step: float, grading: float) -> Size:
@@ -298,17 +318,10 @@ def _size(size: float | None, elements: float | None, depth: Thickness, loops: l
         raise ValueError(
             f"size={step:g} m must be at most twice the thickness {depth.typical:g} m; use smaller elements."
         )
-    length = sum(float(np.hypot(*(loop - np.roll(loop, 1, axis=1))).sum()) for loop in loops)
-    count = 2.3 * length / step * max(depth.typical / step, 10.0)
     extent = float(np.ptp(np.concatenate(loops, axis=1), axis=1).max())
     if 2 * depth.typical > extent:
         raise ValueError(
             f"thickness={depth.typical:g} m is more than half of the outline's width, {extent:.3g} m, and "
             "leaves hardly any white matter: are thickness and points in the same unit?"
-        )
-    if count > MOST:
-        raise ValueError(
-            f"size={step:g} m would make about {count:.1g} gray triangles, more than {MOST:.0e}; the outline "
-            f"is {extent:.3g} m wide: are size, thickness={depth.typical:g} and points in the same unit?"
         )
     return step

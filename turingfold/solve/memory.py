@@ -6,13 +6,11 @@ Short of memory, the BLAS that CHOLMOD calls ends the whole program, and SuperLU
 from __future__ import annotations
 
 import sys
-from importlib.util import find_spec
-from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import OutOfMemoryError
+from ..memory import address_space_left, memory_left
 
-STATM, MEMINFO = Path("/proc/self/statm"), Path("/proc/meminfo")
 SPARE = 1.2  # times what was measured
 
 
@@ -45,23 +43,3 @@ def check_memory(unknowns: int, entries: int, need: Need) -> None:
                 f"the factorisation of {unknowns} unknowns needs about {wanted / 1e6:.0f} MB of {kind}, and "
                 f"{max(left, 0.0) / 1e6:.0f} MB are left; use larger elements, or a machine with more memory"
             )
-
-
-def address_space_left() -> float:
-    """Return how many bytes this process may still reserve; infinite without a limit."""
-    if find_spec("resource") is None or not STATM.exists():
-        return float("inf")
-    import resource
-
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if limit == resource.RLIM_INFINITY:
-        return float("inf")
-    return limit - resource.getpagesize() * float(STATM.read_text().split()[0])
-
-
-def memory_left() -> float:
-    """Return how many bytes of memory the system can still give, in which no swap is; infinite if unknown."""
-    if not MEMINFO.exists():
-        return float("inf")
-    rows = dict(line.split(":", 1) for line in MEMINFO.read_text().splitlines() if ":" in line)
-    return 1024 * float(rows["MemAvailable"].split()[0]) if "MemAvailable" in rows else float("inf")
