@@ -48,6 +48,9 @@ def test_points_have_their_white_surface_in_a_file_of_its_own(tmp_path):
     found = areas(read_section(tmp_path / "pial.csv", white=str(tmp_path / "white.csv")))
     assert found["pial"] == pytest.approx([np.pi * 900], rel=1e-3)
     assert found["white"] == pytest.approx([np.pi * 400], rel=1e-3)
+    with pytest.warns(UserWarning, match="unit='cm' is taken instead") as told:
+        read_section(tmp_path / "pial.csv", white=str(tmp_path / "white.csv"), unit="cm")
+    assert {str(one.message).split()[0] for one in told} == {"pial.csv", "white.csv"}
 
 
 def test_pictures_have_the_size_of_a_pixel_or_a_width(tmp_path):
@@ -66,6 +69,8 @@ def test_volumes_have_labels_and_planes(tmp_path):
     found = areas(read_section(file, gray="3", white="2", at=0.002))
     assert found["pial"] == pytest.approx([np.pi * 400], rel=0.01)
     assert found["white"] == pytest.approx([np.pi * 100], rel=0.01)
+    with pytest.raises(ValueError, match=r"unit=cm: labels\.nii\.gz states the size of its voxels; "):
+        read_section(file, gray="3", white="2", unit="cm")
     with pytest.raises(ValueError, match="gray=cortex: give labels"):
         read_section(file, gray="cortex")
 

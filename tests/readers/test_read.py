@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from planar import area
 
-from turingfold import gyrification_index, outline, read_outline
+from turingfold import gyrification_index, outline, read_outline, read_section
+from turingfold.geometry.units import metres
 
 BESIDE = Path(__file__).parents[3] / "shared" / "reference" / "sections"
 REAL = Path(os.environ.get("BRAIN_SECTIONS", BESIDE))
@@ -450,6 +451,37 @@ def test_what_is_no_drawing_is_refused(tmp_path):
 def test_wrong_arguments_are_named(tmp_path, options, message):
     with pytest.raises(ValueError, match=message):
         read_outline(**({"path": written(tmp_path, SQUARE)} | options))
+
+
+@pytest.mark.parametrize(
+    ("file", "unit", "times"),
+    [
+        ("x (mm),y (mm)\n" + SQUARE, "cm", 10),
+        ("# units: um\n" + SQUARE, 1e-4, 100),
+        (
+            "<svg xmlns='http://www.w3.org/2000/svg' width='4cm' viewBox='0 0 20 20'><circle r='5'/></svg>",
+            "mm",
+            0.5,
+        ),
+    ],
+)  # fmt: skip
+def test_a_unit_that_is_not_what_the_file_states_is_told(tmp_path, file, unit, times, recwarn):
+    path = written(tmp_path, file, "a.svg" if "svg" in file else "a.csv")
+    right = read_outline(path)
+    assert read_outline(path, unit=metres(unit) / times).unit == pytest.approx(metres(unit) / times)
+    assert not recwarn.list
+    with pytest.warns(UserWarning, match=rf"{path.name} states .* unit={unit!r} .* {times:g} times") as told:
+        found = read_outline(path, unit=unit)
+    assert len(told) == 1
+    assert "test_read" in told[0].filename
+    assert np.ptp(found.loops[0], axis=1) == pytest.approx(times * np.ptp(right.loops[0], axis=1), rel=1e-3)
+
+
+def test_a_unit_is_not_compared_where_the_file_states_none_or_the_width_is_given(tmp_path, recwarn):
+    read_outline(written(tmp_path, "x,y\n" + SQUARE), unit="mm")
+    read_outline(written(tmp_path, "# sampled every mm\n" + SQUARE), unit="cm")
+    read_section(written(tmp_path, "x (mm),y (mm)\n" + SQUARE), width=0.1)
+    assert not recwarn.list
 
 
 def test_other_files_are_refused(tmp_path):

@@ -32,15 +32,21 @@ def read_section(
     `plane` that lies `at` (m), else the one with the most tissue.  Other names are pial surfaces in GIFTI or
     FreeSurfer's format, one or several separated by commas, cut by the `plane` that lies `at`.
     white, holes: also files of their own, of points, drawings or surfaces.
-    unit: of the file's numbers, such as "mm", or in m; of pictures the edge of a pixel. "": as the file says.
+    unit: of the file's numbers, such as "mm", or in m; of pictures the edge of a pixel. "": as the file says;
+    volumes say it always.
     width: of the section from left to right, to which it is scaled; m.
     Raises ValueError for files that cannot be read, and where a picture has neither unit nor width.
     """
     kind = _ending(outline)
     if width is not None and kind in (".svg", *COLUMNS, *PICTURES):
         unit = unit or "nm"  # any will do; in this one nothing is too large
+    if unit and kind in VOLUMES:
+        raise ValueError(
+            f"unit={unit}: {Path(outline).name} states the size of its voxels; leave unit out, and where "
+            "that is wrong give the width of the section, such as width=0.14 (m)."
+        )
     if kind in (".svg", *COLUMNS):
-        found = _drawn(outline, white, holes, unit)
+        found = _drawn(outline, white, holes, unit, told=width is None)
     elif kind in (*PICTURES, *VOLUMES):
         labels = [_labels(*each) for each in (("gray", gray), ("white", white), ("holes", holes))]
         found = _imaged(outline, labels, unit, plane, at)
@@ -52,16 +58,16 @@ def read_section(
     return found if width is None else _scaled(found, positive("width", width))
 
 
-def _drawn(outline: str | Path, white: str, holes: str, unit: str) -> Section:
+def _drawn(outline: str | Path, white: str, holes: str, unit: str, *, told: bool) -> Section:
     """Return the curves of a drawing or of points, and those of others files or names of the drawing."""
-    whole = contours(outline, unit=_unit(unit))
+    whole = contours(outline, unit=_unit(unit), told=told)
 
     def others(given: str) -> tuple[Array, ...]:
         if not given:
             return ()
         if _ending(outline) == ".svg" and not Path(given).is_file():
-            return contours(outline, given, _unit(unit)).loops
-        return contours(given, unit=_unit(unit)).loops
+            return contours(outline, given, _unit(unit), told=False).loops
+        return contours(given, unit=_unit(unit), told=told).loops
 
     inner, ventricles = others(white), others(holes)
     apart = [loop.tobytes() for loop in (*inner, *ventricles)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,7 +51,7 @@ class Dialect:
 def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array], float | None]:
     """Return the closed curves (2, n) in a file, and the length in m of the unit it states, if it does.
 
-    unit_is_given: what the file states does not matter.  Its columns are those that it names, see `Order`.
+    unit_is_given: None, too, for a unit that is not clear.  Its columns are those that it names, see `Order`.
     Warns of points far from both their neighbours, by the number of the line, and as `Said.order`.
     Raises ValueError with the number of the line for fields that are no numbers, for curves of fewer than
     three points, and for closed curves that follow each other without a blank row; for a unit that is unknown
@@ -78,7 +79,9 @@ def read_columns(file: Path, *, unit_is_given: bool = False) -> tuple[list[Array
     filled = [curve for curve in curves if curve]
     if not filled:
         raise ValueError(f"{file.name} holds no points; give two columns x, y.")
-    unit = None if unit_is_given else said.unit()
+    unit = None
+    with suppress(ValueError) if unit_is_given else nullcontext():
+        unit = said.unit()
     order = said.order()
     return [order.placed(_closed(curve, file.name)) for curve in filled], unit
 

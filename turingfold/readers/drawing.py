@@ -26,7 +26,7 @@ def read_drawing(
     cuts, and where nothing is found.
     """
     whole("samples", samples, at_least=1)
-    shown, physical = shapes(_root(file), file.name, in_user_units=in_user_units)
+    shown, unit = shapes(_root(file), file.name, in_user_units=in_user_units)
     loops: list[Array] = []
     names: list[str] = []
     for shape in shown:
@@ -47,7 +47,7 @@ def read_drawing(
         known = sorted({word for shape in shown for word in shape.place.words})
         what = f"no outline is called {name!r}, names are {', '.join(known) or 'none'}"
         raise ValueError(f"{file.name}: {what if name else 'it shows no shape with at least 3 points'}.")
-    return loops, names, 1.0 if physical else None
+    return loops, names, unit
 
 
 def _root(file: Path) -> ElementTree.Element:

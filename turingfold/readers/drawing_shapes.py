@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element
 import svgelements as svg
 
 from .drawing_style import CUTS, Rule, declared, kind_of, rules_of
-from .drawing_view import View, box_of, fitted, outermost, transform_of
+from .drawing_view import View, box_of, fitted, outermost, stated_unit, transform_of
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 LINKS = ("href", "{http://www.w3.org/1999/xlink}href")
@@ -47,8 +47,8 @@ class Shape:
         return found
 
 
-def shapes(root: Element, source: str, *, in_user_units: bool) -> tuple[list[Shape], bool]:
-    """Return the shapes of a drawing that are shown, and whether their places are in m.
+def shapes(root: Element, source: str, *, in_user_units: bool) -> tuple[list[Shape], float | None]:
+    """Return the shapes of a drawing that are shown, and the unit of their places by what it states; m.
 
     What only serves others (`defs`, `symbol`, `clipPath`, `mask`, `marker`, `pattern`) is shown where it is
     used; of a `switch` the first branch that English readers without extensions see.
@@ -57,10 +57,11 @@ def shapes(root: Element, source: str, *, in_user_units: bool) -> tuple[list[Sha
     tree = _Tree(source, rules_of(root, source), {e.get("id", ""): e for e in reversed(list(root.iter()))})
     given, where = declared(root, tree.rules, source), f"{source}: svg"
     matrix, view, physical = outermost(given, where, in_user_units=in_user_units)
+    unit = stated_unit(given, where) if in_user_units else 1.0 if physical else None
     if _is_left_out(given):
-        return [], physical
+        return [], unit
     place = replace(_inside(given, Place(matrix, view), where), words=())
-    return list(tree.within(root, place)), physical
+    return list(tree.within(root, place)), unit
 
 
 @dataclass(frozen=True)

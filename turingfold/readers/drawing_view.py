@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,6 +120,14 @@ def outermost(given: Mapping[str, str], where: str, *, in_user_units: bool) -> t
     height = width * box[3] / box[2] if np.isnan(height) else height
     within = fitted((0.0, 0.0), View(width, height), box, given.get("preserveAspectRatio", ""), where)
     return within * svg.Matrix.scale(PIXEL), View(*box[2:]), True
+
+
+def stated_unit(given: Mapping[str, str], where: str) -> float | None:
+    """Return the length in m of the viewBox's unit by the size that a drawing states, None without one."""
+    with suppress(ValueError):
+        matrix, _, physical = outermost(given, where, in_user_units=False)
+        return float(np.sqrt(matrix.a * matrix.d)) if physical else None
+    return None
 
 
 def transform_of(given: Mapping[str, str], view: View, where: str) -> svg.Matrix:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from ..checks import file_path
 from ..geometry.units import metres, note_large
 from .columns import read_columns
 
+SAME = 0.01  # by which two units may differ, as pages are rounded
 COLUMNS = (".csv", ".txt", ".dat", ".tsv")
 
 
@@ -63,8 +65,9 @@ def read_outline(
     viewBox, laid into them as preserveAspectRatio says. Shapes cut by a clip-path or a mask are refused.
     name: id or label of the shapes (or of the group or layer that they are in) to read; left out: all.
     unit: of the file's coordinates, "m", "cm", "mm", "um", "nm", "in" or metres; left out: as the file says,
-    and if it states none, the numbers are returned as they are.
-    Warns of single points of columns that lie far off, and of curves of 10 m and more.
+    and if it states none, the numbers are returned as they are. In a drawing it is that of the viewBox.
+    Warns of a unit that is not what the file states, of single points of columns that lie far off, and of
+    curves of 10 m and more.
     Raises ValueError for other files, and for what cannot be read, with its place.
     """
     found = contours(path, name, unit, samples)
@@ -75,9 +78,12 @@ def read_outline(
 
 
 def contours(
-    path: str | Path, name: str = "", unit: str | float | None = None, samples: int = 24
+    path: str | Path, name: str = "", unit: str | float | None = None, samples: int = 24, *, told: bool = True
 ) -> Contours:
-    """Return what `read_outline` returns, without a word on curves that are too large."""
+    """Return what `read_outline` returns, without a word on curves that are too large.
+
+    told: whether to warn of a unit that is not what the file states.
+    """
     file = file_path("path", path, "a CSV or SVG file")
     given = None if unit is None else metres(unit)
     kind = file.suffix.lower()
@@ -93,6 +99,12 @@ def contours(
     else:
         known = ", ".join(COLUMNS)
         raise ValueError(f"{file.name} ends in {file.suffix!r}; outlines are read from {known} and .svg.")
+    if told and given and stated and abs(given / stated - 1) > SAME:
+        warnings.warn(
+            f"{file.name} states that its unit is {stated:.4g} m, and unit={unit!r} is taken instead: "
+            f"lengths are {given / stated:.3g} times what it says. Leave unit out, or correct the file.",
+            stacklevel=3,
+        )
     used = stated if given is None else given
     scaled = tuple(loop * (used or 1.0) for loop in loops)
     return Contours(scaled, tuple(names), used, file.name)
