@@ -75,6 +75,23 @@ def test_volumes_have_labels_and_planes(tmp_path):
         read_section(file, gray="cortex")
 
 
+@pytest.mark.parametrize("count", [1, 7])
+def test_a_slab_is_not_cut_edge_on(tmp_path, count):
+    file = tmp_path / "slab.nii.gz"
+    voxels = np.where(disc(20), 2, 3 * disc(40))[:, :, None] * np.ones((1, 1, count), dtype=int)
+    affine = np.diag([0.5, 0.5, 2.0, 1.0])
+    affine[2, 3] = 10.0
+    nibabel.save(nibabel.Nifti1Image(np.uint8(voxels), affine), file)
+    words = (
+        rf"plane='coronal': slab.nii.gz has {count} axial planes of 101 by 101 .* plane='axial'.* at 10 to "
+    )
+    with pytest.raises(ValueError, match=words + f"{10 + 2 * (count - 1)} mm"):
+        read_section(file, gray="3", white="2")
+    found = areas(read_section(file, gray="3", white="2", plane="axial", at=0.01))
+    assert found["pial"] == pytest.approx([np.pi * 400], rel=0.01)
+    assert found["white"] == pytest.approx([np.pi * 100], rel=0.01)
+
+
 def test_surfaces_are_cut_by_a_plane(tmp_path):
     cube = np.array([[x, y, z] for x in (0, 10) for y in (0, 10) for z in (0, 10)], dtype="f4")
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]

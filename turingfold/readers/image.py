@@ -17,6 +17,7 @@ from ..arrays import Array
 from ..checks import file_path, finite_array, positive, real_array
 
 PLANES = {"sagittal": 0, "coronal": 1, "axial": 2}  # the axis across them, of right, anterior, superior
+FEWEST, SLAB = 8, 4  # voxels across a section; times as many along a slab as it has planes
 UNITS = {0: 1e-3, 1: 1.0, 2: 1e-3, 3: 1e-6}  # NIfTI's codes of lengths: unknown, metre, mm, micron
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".gif", ".jpg", ".jpeg")
 DAMAGE = (EOFError, OSError, zlib.error, ValueError, TypeError, OverflowError)
@@ -60,8 +61,15 @@ def read_image(image: Any, plane: str, pixel_mm: float | None) -> Image:
     """Return an image from a path, a nibabel image, or a pair (array, affine in mm).
 
     Pictures and arrays with two axes are a section by themselves, rows from top to bottom, of a given pixel.
-    Raises ValueError for files, arrays and affines that cannot be used, and where nibabel is missing.
+    Raises ValueError for files, arrays and affines that cannot be used, where nibabel is missing, and for a
+    slab that the plane cuts edge-on.
     """
+    found = _read(image, plane, pixel_mm)
+    _refuse_edge_on(found, plane)
+    return found
+
+
+def _read(image: Any, plane: str, pixel_mm: float | None) -> Image:
     if isinstance(image, tuple) and len(image) == 2:
         values, affine = real_array("image", image[0]), finite_array("the affine", image[1], (4, 4))
         return _turned(values, affine * _scale(1e-3), "the array")
@@ -77,6 +85,21 @@ def read_image(image: Any, plane: str, pixel_mm: float | None) -> Image:
     if pixel_mm is not None:
         raise ValueError(f"pixel_mm={pixel_mm!r}: {file.name} states the size of its voxels; leave it out.")
     return _from_nibabel(_loaded(file), file.name)
+
+
+def _refuse_edge_on(image: Image, plane: str) -> None:
+    """Raise ValueError for a plane whose sections are few voxels high, of an image of few other planes."""
+    counts = dict(zip(PLANES, image.values.shape, strict=False))
+    few = min(counts, key=counts.__getitem__)
+    across = [count for name, count in counts.items() if name != few]
+    if few == plane or counts[few] >= FEWEST or min(across) < SLAB * counts[few]:
+        return
+    first, last = (1e3 * image.position(few, k) for k in (0, counts[few] - 1))
+    raise ValueError(
+        f"plane={plane!r}: {image.source} has {counts[few]} {few} planes of {across[0]} by {across[1]} "
+        f"voxels, so that a {plane} section would be {counts[few]} voxels high, and it must be at least "
+        f"{FEWEST}. Give plane={few!r}; the image has such planes at {first:g} to {last:g} mm."
+    )
 
 
 def nibabel_for(file: Path) -> Any:
