@@ -9,7 +9,8 @@ import pytest
 from PIL import Image as Pictures
 from planar import area, inside
 
-from turingfold import mask_outline, sections
+from turingfold import mask_outline, outline, sections
+from turingfold.geometry.changes import OutlineWarning
 
 nibabel = pytest.importorskip("nibabel")
 
@@ -112,10 +113,51 @@ def test_all_parts_are_returned_and_one_not_without_a_word():
 
 
 def test_a_mask_that_touches_the_edge_of_the_image_is_closed():
-    points = mask_outline(image(np.repeat(np.uint8([0, 1, 1]), 100).reshape(3, 10, 10).swapaxes(0, 1)))
+    voxels = np.repeat(np.uint8([0, 1, 1]), 100).reshape(3, 10, 10).swapaxes(0, 1)
+    with pytest.warns(OutlineWarning, match="the image's edge cuts the tissue off") as told:
+        points = mask_outline(image(voxels))
+    assert len(told) == 4
     assert np.ptp(points, axis=1) == pytest.approx(
         1e-2 * EDGES[::2], rel=1e-6
     )  # NIfTI keeps them in single precision
+
+
+def cropped(mask):
+    """Return a mask without rows and columns that have no tissue."""
+    rows, columns = (np.flatnonzero(mask.any(axis)) for axis in (1, 0))
+    return mask[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
+@pytest.mark.parametrize("size", [12, 41, 100, 301])
+@pytest.mark.parametrize("aspect", [1.0, 1.4, 2.3])
+@pytest.mark.parametrize("angle", [0.0, 0.6])
+def test_a_closely_cropped_shape_is_not_cut_off_by_the_edge_that_it_touches(size, aspect, angle):
+    x = np.arange(size) - 0.5 * (size - 1) + 0.2
+    x, y = np.meshgrid(x, x)
+    along, across = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
+    (section,) = sections(cropped(np.hypot(along, aspect * across) <= 0.49 * size), pixel_mm=1.0, gray=1)
+    assert section.cuts == ()
+
+
+@pytest.mark.parametrize("side", ["bottom", "right", "top", "left"])
+def test_what_the_edge_of_an_image_cuts_off_is_told_by_its_ends_and_may_be_a_base(side):
+    turns = ("bottom", "right", "top", "left").index(side)
+    x = np.arange(121) - 60.0
+    mask = np.rot90(np.pad(np.hypot(*np.meshgrid(x, x)) <= 50, 5)[:90], turns)
+    (section,) = sections(mask, pixel_mm=1.0, gray=1)
+    ((first, last),) = section.cuts
+    length = 1e-3 * np.rot90(mask, -turns)[-1].sum()
+    turn = np.exp(0.5j * np.pi * turns)
+    assert complex(*last) - complex(*first) == pytest.approx((length - 1e-3) * turn)  # counter-clockwise
+    with pytest.warns(
+        OutlineWarning, match="edge cuts the tissue off along .* base_ends=section.cuts"
+    ) as told:
+        body = outline(section, thickness=5e-3, size=2.5e-3)
+    assert len(told) == 1
+    assert any("the image's edge cuts" in remark for remark in body.changes.remarks())
+    held = outline(section, thickness=5e-3, size=2.5e-3, base="clamped", base_ends=section.cuts)  # no warning
+    (line,) = held.boundary_paths("base")
+    assert np.ptp(held.nodes[:, line.nodes], axis=1).max() == pytest.approx(length, abs=2e-3)
 
 
 # places

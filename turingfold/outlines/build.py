@@ -98,6 +98,7 @@ def outline(
             f"base={base!r} needs base_ends=((x, y), (x, y)): where along the outline the base lies."
         )
     told = isinstance(points, Section)  # of its unit, when it was made
+    cut = points.cut_off(base_ends) if isinstance(points, Section) else []
     if isinstance(points, Section):
         if smooth is None and points.voxel is not None:
             voxel, shortest = points.voxel, VOXELS * points.voxel
@@ -122,7 +123,7 @@ def outline(
         _triangles(loops, depth.typical, step, grading, fine), step,
         f"are size, thickness={depth.typical:g} and points in the same unit?",
     )  # fmt: skip
-    doubts = [] if white is None or thickness is None else _disagreement(loops, white, depth.typical)
+    doubts = cut if white is None or thickness is None else cut + _disagreement(loops, white, depth.typical)
     given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
     mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     starts = tuple((float(x), float(y)) for x, y in (curve[:, 0] for curve in loops))

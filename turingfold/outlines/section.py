@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
@@ -12,6 +13,9 @@ from ..arrays import Array
 from ..checks import finite_array
 from ..geometry.units import note_large
 from .region import even_odd, nearest, segments
+
+Cut = tuple[tuple[float, float], tuple[float, float]]
+NEAR = 0.05  # of its length, at most so far from a base is what is cut off along it
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +30,8 @@ class Section:
     source: where the curves come from.
     voxel: edge of the voxels whose steps the curves have; m, None where they have none.
     unit: that the file of the curves states; m, None where it states none.
+    cuts: where the edge of an image cuts the tissue, the ends of each part of the curves along it, m; they
+    are base_ends of `outline`.
     """
 
     pial: Sequence[Array]
@@ -36,6 +42,7 @@ class Section:
     source: str = ""
     voxel: float | None = None
     unit: float | None = None
+    cuts: Sequence[Cut] = ()
 
     def __post_init__(self) -> None:
         for name in ("pial", "white", "holes"):
@@ -51,6 +58,22 @@ class Section:
             raise ValueError("pial holds no curve; give at least one closed curve.")
         remedy = 'say so by unit="mm" or in the file\'s header' if self.source else "give metres"
         note_large(self.source or "the section", self.pial, remedy, self.unit)
+
+    def cut_off(self, base_ends: Any) -> list[str]:
+        """Return a remark on each cut along which no base lies; base_ends: of `outline`."""
+        bases = [] if base_ends is None else shapely.linestrings(np.reshape(base_ends, (-1, 2, 2)))
+        told = []
+        for first, last in self.cuts:
+            length = float(np.hypot(last[0] - first[0], last[1] - first[1]))
+            near = max(NEAR * length, 2 * (self.voxel or 0.0))
+            ends = shapely.points([first, last])
+            if not any(shapely.dwithin(base, ends, near).all() for base in bases):
+                told.append(
+                    f"the image's edge cuts the tissue off along {length:.3g} m, from ({first[0]:.4g}, "
+                    f"{first[1]:.4g}) to ({last[0]:.4g}, {last[1]:.4g}) m, which is taken as pial surface; "
+                    "take an image that holds it all, or give a base there, with base_ends=section.cuts"
+                )
+        return told
 
     def thickness(self) -> tuple[Array, ...]:
         """Return the thickness of the cortex at the points of each pial curve, (n,) of each; m.

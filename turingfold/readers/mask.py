@@ -10,11 +10,15 @@ from typing import Any
 import numpy as np
 from shapely import Polygon
 
-from ..arrays import Array
+from ..arrays import Array, Booleans
 from ..checks import finite, one_of, whole
-from ..outlines.section import Section
-from .image import PLANES, Image
+from ..geometry.changes import OutlineWarning
+from ..outlines.section import Cut, Section
+from .image import FEWEST, PLANES, Image
 from .tissues import Labels, Tissue, tissues_of
+
+INWARD = 3  # voxels from the edge of an image to where the width of what it cuts is compared
+TAPER = 0.75  # of that width, below which tissue only touches the edge
 
 
 def sections(
@@ -47,7 +51,8 @@ def sections(
 
     The curves are those of marching squares, linear between the centres of voxels. A label counts as 1 inside
     and 0 outside, so that its curve runs midway: it keeps the voxels' area, and their steps, which `outline`
-    smooths away from a `Section`.
+    smooths away from a `Section`. Where the image's edge cuts the tissue, the curve runs along it: see `cuts`
+    of `Section`.
     Raises ValueError for what cannot be read, and for planes and labels that the image does not have.
     """
     one_of("plane", plane, tuple(PLANES))
@@ -66,10 +71,13 @@ def mask_outline(
     """Return the closed curve (2, n) that encloses the most in a section of a mask; m.
 
     The arguments are those of `sections`, of an image without labels. The curve has the steps of the voxels:
-    give `outline` the length of one as smooth=, or the `Section`. Warns of parts outside the curve.
+    give `outline` the length of one as smooth=, or the `Section`. Warns of parts outside the curve, and
+    where the image's edge cuts it off.
     """
     one_of("section", section, tuple(PLANES))
     (found,) = sections(path, plane=section, index=index, level=level)
+    for remark in found.cut_off(None):
+        warnings.warn(f"{found.source}: {remark}.", OutlineWarning, stacklevel=2)
     largest, *others = found.pial
     around = Polygon(largest.T)
     apart = [one.area for loop in others if not around.contains(one := Polygon(loop.T))]
@@ -130,7 +138,41 @@ def _section(tissues: dict[str, Tissue], plane: str, index: int) -> Section:
     position = image.position(plane, index) if image.placed else None
     source = f"{image.source}, {plane} plane {index}"
     edge = float(np.linalg.norm(image.frame(plane, index)[1], axis=0).max())
-    return Section(pial, white, holes, plane, position, source, voxel=edge)
+    cuts = _cuts(image, plane, index, _tissue(tissues, plane, index) > level)
+    return Section(pial, white, holes, plane, position, source, voxel=edge, cuts=cuts)
+
+
+def _cuts(image: Image, plane: str, index: int, inside: Booleans) -> tuple[Cut, ...]:
+    """Return the ends, counter-clockwise round the tissue, of what the edges of an image cut off; m.
+
+    A shape that is closely cropped touches an edge, too, and its width grows fast from there: that of a disc,
+    N voxels wide, from at most 2 √N in the first row of voxels to twice that in the fourth. So the edge cuts
+    where it holds a longer row of tissue, and one that is not a quarter shorter than three voxels inward.
+    Less than 8 voxels across tell neither.
+    """
+    start, edges = image.frame(plane, index)
+    found = []
+    for across, far in ((1, False), (0, True), (1, True), (0, False)):  # bottom, right, top, left
+        rows = np.moveaxis(inside, across, 0)[:: -1 if far else 1]
+        touching = 2 * np.sqrt(rows.any(axis=0).sum())
+        inward = _runs(rows[min(INWARD, len(rows) - 1)])
+        for first, last in _runs(rows[0]) if len(rows) >= FEWEST else []:
+            middle, count = (first + last) // 2, last - first + 1
+            wide = max((b - a + 1 for a, b in inward if a <= middle <= b), default=0)
+            if count > touching and count > TAPER * wide:
+                beyond = len(rows) - 0.5 if far else -0.5
+                order = (first, last) if (across == 1) != far else (last, first)
+                ends = [(k, beyond) if across == 1 else (beyond, k) for k in order]
+                (x0, y0), (x1, y1) = ((start + edges @ np.array(end)).tolist() for end in ends)
+                found.append(((x0, y0), (x1, y1)))
+    return tuple(found)
+
+
+def _runs(row: Booleans) -> list[tuple[int, int]]:
+    """Return the first and the last number of each run of true values."""
+    steps = np.diff(np.concatenate([[0], row.astype(int), [0]]))
+    first, beyond = np.flatnonzero(steps > 0), np.flatnonzero(steps < 0)
+    return list(zip(first.tolist(), (beyond - 1).tolist(), strict=True))
 
 
 def _curves(image: Image, plane: str, share: Array, level: float, index: int) -> tuple[Array, ...]:
