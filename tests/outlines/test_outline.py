@@ -1,6 +1,7 @@
 """Bodies from curves: exact shapes, what is repaired and how that is told, what is refused."""
 
 import re
+import warnings
 from time import perf_counter
 
 import numpy as np
@@ -10,6 +11,7 @@ from planar import area
 from scipy.interpolate import CubicSpline
 
 from turingfold import memory
+from turingfold.geometry.changes import OutlineWarning
 from turingfold.outlines import RefinementDisc, outline
 from turingfold.outlines.fill import angles
 from turingfold.outlines.line import line
@@ -279,6 +281,49 @@ def test_a_ventricle_is_no_pial_surface(hole):
     x, y = body.quadrature.points
     assert body.depth == pytest.approx(1 - np.hypot(x, y), abs=1e-5)
     assert len(body.supported) == (2 * len(wall.nodes) if hole == "clamped" else 0)
+
+
+@pytest.mark.parametrize("inner", [0.3, 0.2])
+def test_a_ventricle_whose_wall_is_an_inner_ring_of_white_matter_is_no_cortex(inner):
+    body = outline(circle(), interface=[0.8 * circle(), inner * circle()], holes=[0.3 * circle()], size=0.05)
+    assert body.changes.cortex == pytest.approx(0.0, abs=1e-4)
+    assert body.quadrature.weights[:, body.in_cortex].sum() == pytest.approx(np.pi * 0.36, rel=1e-4)
+
+
+@pytest.mark.parametrize("radius", [0.06, 0.08, 0.1, 0.15, 0.3])
+def test_a_round_hole_keeps_its_area_however_coarse_the_elements(radius):
+    body = outline(circle(), thickness=0.1, size=0.05, holes=[radius * circle()])
+    assert body.quadrature.weights.sum() == pytest.approx(
+        np.pi * (1 - radius**2), abs=2e-3 * np.pi * radius**2
+    )
+    assert body.changes.holes == pytest.approx(0.0, abs=2e-3)
+    assert not [remark for remark in body.changes.remarks() if "area of holes" in remark]
+
+
+def test_the_area_that_holes_lose_is_told():
+    slit = np.array([[0.4], [0.05]]) * circle()
+    with pytest.warns(OutlineWarning, match=r"area of holes lost 6\.") as told:
+        body = outline(circle(), thickness=0.2, size=0.1, holes=[slit])
+    assert len(told) == 1
+    lost = 1 - (np.pi - body.quadrature.weights.sum()) / (np.pi * 0.02)
+    assert body.changes.holes == pytest.approx(lost, abs=5e-3)  # the circle is not quite a circle
+
+
+@pytest.mark.parametrize(("width", "gone"), [(0.0, True), (1e-6, True), (1e-3, False)])
+def test_a_fissure_whose_walls_touch_is_gone_and_that_is_told(width, gone):
+    at = np.linspace(0.5 * np.pi + width / 2, 2.5 * np.pi - width / 2, 240)
+    down = 1 - np.linspace(0.0, 0.6, 30)[1:]
+    left, right = (np.stack([np.full(29, side * width / 2), y]) for side, y in ((-1, down[::-1]), (1, down)))
+    points = np.concatenate([np.stack([np.cos(at), np.sin(at)]), right, left], axis=1)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        body = outline(points, thickness=0.1, size=0.05)
+    remark = " ".join(body.changes.remarks())
+    # each wall to one element above the bottom, and from where it is an element deep
+    share = 2 * (0.6 - 0.05) / (2 * np.pi + 1.2)
+    assert body.changes.closed == pytest.approx(share if gone else 0.0, abs=0.01)
+    assert ("of the pial surface lies in fissures that are gone" in remark) == gone
+    assert any("fissures that are gone" in str(one.message) for one in told) == gone
 
 
 def test_a_given_interface_is_kept_and_depth_is_a_share_of_the_way():

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from ..arrays import Array
 
 MUCH = 0.01  # share of the area, or of the cortex, from which on a change is worth a word
+CLOSED = "{:.2%} of the pial surface lies in fissures that are gone, as their walls touch: draw them apart"
+HOLES = "area of holes lost {:.2%}"
 
 
 class OutlineWarning(UserWarning):
@@ -28,7 +30,11 @@ class Changes:
     notes: what was repaired, in words.  expected: what elements and smoothing of a smooth outline move its
     surface by at most, m.  starts: first points of the given pial curves, (x, y), m, from which shares of a
     closed surface are counted.
-    Results of earlier versions do not tell moved_at_walls, thickened, filled and expected, None, nor starts.
+    closed: share of the given pial surface's length in fissures that are gone, an element or more inside the
+    body, as their walls touch.  holes: share of the area of the given holes that those of the body lack; None
+    without any.
+    Results of earlier versions do not tell moved_at_walls, thickened, filled, expected, closed and holes,
+    None, nor starts.
     """
 
     moved: float
@@ -43,6 +49,8 @@ class Changes:
     notes: tuple[str, ...] = ()
     expected: float | None = None
     starts: tuple[tuple[float, float], ...] = ()
+    closed: float | None = None
+    holes: float | None = None
 
     def placed(self, centre: Array, unit: float, smallest_angle: float) -> Changes:
         """Return the changes in m of what was made in units of `unit` around `centre`, (2, 1), m."""
@@ -63,6 +71,8 @@ class Changes:
             f"pial surface moved by up to {self.moved:.3g} m": self.moved > (self.expected or float("inf")),
             f"area lost {self.lost:.2%}, filled {self.added:.2%}": self.lost + self.added > MUCH,
             f"cortex {self.cortex or 0.0:+.2%}": abs(self.cortex or 0.0) > MUCH,
+            CLOSED.format(self.closed or 0.0): (self.closed or 0.0) > MUCH,
+            HOLES.format(self.holes or 0.0): (self.holes or 0.0) > MUCH,
             f"{len(self.dropped)} pieces too small for the elements left out, {area:.2g} m²": self.dropped,
             f"{self.filled} closed-off sulci too small for the elements filled": self.filled,
         }
@@ -80,6 +90,8 @@ class Changes:
             + (f", {self.moved_at_walls:.3g} m where walls touch" if self.moved_at_walls else ""),
             f"area lost {self.lost:.2%}, filled {max(self.added, 0.0):.2%}",
             self._of_cortex(),
+            CLOSED.format(self.closed) if self.closed and self.closed > MUCH else "",
+            HOLES.format(self.holes) if self.holes and self.holes > MUCH else "",
             f"{len(self.dropped)} pieces left out" if self.dropped else "",
             f"{self.filled} closed-off sulci filled" if self.filled else "",
             *self.notes,

@@ -41,6 +41,15 @@ class Curve:
         """Total arc length."""
         return float(self._length(-1.0, 1.0).sum())
 
+    @cached_property
+    def area(self) -> float:
+        """What a closed curve encloses, negative where it runs clockwise: of its chords, and 4/3 of what lies
+        between each chord and the middle point.
+        """
+        (x0, y0), (xm, ym), (x1, y1) = self.segments
+        bulge = (xm - x0) * (y1 - y0) - (ym - y0) * (x1 - x0)
+        return float(0.5 * np.sum(x0 * y1 - y0 * x1) + 2 / 3 * np.sum(bulge))
+
     def _length(self, low: float, high: float) -> Array:
         xi, weights = np.polynomial.legendre.leggauss(4)
         xi = 0.5 * (low + high) + 0.5 * (high - low) * xi

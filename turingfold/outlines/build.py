@@ -20,9 +20,9 @@ from ..memory import refuse_too_many
 from .domain import Given, Thickness, domain
 from .frame import RESOLUTION, Size
 from .loops import closed_loops, large_enough, placed_bases
-from .mesh import meshed
+from .mesh import meshed, of_walls
 from .region import even_odd, nearest, segments
-from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface, tangled
+from .relations import crossing, inside, overlapping, refuse_holes, refuse_interface, tangled, united
 from .section import Section
 
 HOLES = ("free", "clamped")
@@ -128,6 +128,9 @@ def outline(
     mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     starts = tuple((float(x), float(y)) for x, y in (curve[:, 0] for curve in loops))
     changes = replace(changes, expected=max(MOVED * step, shortest, walls), starts=starts)
+    if ventricles:
+        area = united(ventricles).intersection(even_odd(loops)).area
+        changes = replace(changes, holes=1 - of_walls(mesh) / area)
     _warn(changes, given, shortest)
     even = interface is None and depth.at is None
     return Body(
@@ -146,7 +149,8 @@ def _warn(changes: Changes, given: Given, shortest: float) -> None:
 
     shortest: details below this were smoothed away; m.
     """
-    if changes.lost + changes.added > TOLD or abs(changes.cortex or 0.0) > TOLD:
+    shares = [abs(share or 0.0) for share in (changes.cortex, changes.closed, changes.holes)]
+    if max(changes.lost + changes.added, *shares) > TOLD:
         less = " and less smoothing" if shortest > 0 else ""
         large = f"outline: {changes}; smaller elements{less} follow it more closely."
         warnings.warn(large, OutlineWarning, stacklevel=3)

@@ -15,6 +15,7 @@ from ..geometry.changes import Changes
 from .loops import Trace, traced
 from .region import (
     below,
+    buried,
     even_odd,
     fitted,
     hollows,
@@ -165,6 +166,8 @@ def domain(
     changes = _changes(given, rough, measured, made, inset)
     if given.white is not None:
         below_it = even_odd(traced(given.white, step).polygons)
+        if given.holes:  # no cortex, though an inner ring of the white surface may be their wall
+            below_it = below_it.union(united(given.holes))
         ribbon = rough.difference(below_it).area
         told += _without_white(area, own)
         changes = replace(
@@ -242,6 +245,8 @@ def _changes(
     at = np.concatenate(given.pial, axis=1)
     at = at[:, ~shapely.intersects_xy(gone.buffer(ROUND_OFF * made.size), *at)]
     away, beside = moved(at, made.area, walls, 0.5 * made.size)
+    surface = np.concatenate(made.surface.polygons, axis=1)
+    closed = buried(surface, made.area, made.size) & ~shapely.intersects_xy(gone, *surface)
     return Changes(
         moved=away,
         moved_at_walls=beside,
@@ -250,6 +255,7 @@ def _changes(
         cortex=None,
         dropped=tuple((one.centroid.x, one.centroid.y, one.area) for one in dropped),
         filled=len(filled),
+        closed=float(closed.mean()),
         smallest_angle=float("nan"),
         notes=(*given.notes, *given.doubts, *_bridged(delivered, len(dropped), len(filled), made.area)),
     )

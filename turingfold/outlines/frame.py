@@ -18,6 +18,7 @@ Put = Callable[[Array], Array]  # points (2, n) near a smooth line -> points on 
 
 BEND = 0.8  # rad, by which an edge of a curved line turns at most
 BEND_OF_HOLES = 0.4  # rad: elements around them are large; at 0.8 a round hole lacks 8e-4 of its area
+ROUND = 10  # edges of a closed line at least: of fewer, those of a circle bulge too much to be curved
 FINEST = 0.3  # share of the asked element size below which bends do not refine a line
 RESOLUTION = 2.0**-24  # of the extent: smaller differences are round-off
 CORNER = 30.0  # degrees by which a base must turn for its vertex to be kept
@@ -81,7 +82,7 @@ def side(kind: str, line: Array, size: Size, put: Put, stops: Array | None = Non
     places = [breaks[:1]]
     for low, high in pairwise(breaks):
         s, edge = _edge_lengths(made, low, high, size)
-        places.append(_graded(s, edge, 6 if made.closed else 1)[1:])
+        places.append(_graded(s, edge, ROUND if made.closed else 1)[1:])
     return replace(made, places=np.concatenate(places))
 
 

@@ -10,6 +10,8 @@ from scipy.spatial import cKDTree
 from skfem import MeshTri1, MeshTri2
 
 from ..arrays import Array, Booleans, Integers
+from ..geometry.curve import Curve
+from ..geometry.paths import paths
 from ..geometry.triangles import folded_over, straight_mesh
 from .domain import Domain
 from .fill import angles, fill
@@ -49,6 +51,13 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
     exact = np.concatenate([found.exact, points[:, found.points.shape[1] :]], axis=1)
     inside, middles = white(points[:, triangles].mean(1)), centre + unit * found.middles
     return _quadratic(found, centre + unit * exact, triangles, middles, inside), smallest
+
+
+def of_walls(mesh: MeshTri2) -> float:
+    """Return the area that the walls of holes enclose, islands not counted; m²."""
+    walls = (mesh.boundaries or {}).get("hole", np.zeros(0, dtype=np.int64))
+    found = paths(mesh, np.asarray(walls), np.ones(mesh.nelements, dtype=bool), "holes")
+    return -sum(Curve(mesh.doflocs[:, path.nodes], closed=True).area for path in found)
 
 
 def _sides(made: Domain, size: Size) -> list[Side]:

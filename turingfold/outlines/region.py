@@ -10,7 +10,7 @@ import shapely
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ..arrays import Array
+from ..arrays import Array, Booleans
 
 SLIVER = 1e-3  # share of the size below which a gap is round-off
 THIN = 0.02  # share of the size below which what rounding takes away is no bridge
@@ -148,3 +148,10 @@ def moved(points: Array, area: BaseGeometry, walls: BaseGeometry, near: float) -
     shapely.prepare(walls)
     beside = shapely.dwithin(walls, shapely.points(points.T), near)
     return float(distance[~beside].max(initial=0.0)), float(distance[beside].max(initial=0.0))
+
+
+def buried(points: Array, area: BaseGeometry, depth: float) -> Booleans:
+    """Return which points (2, n) lie inside a set, farther than a depth from its boundary."""
+    core = area.buffer(-depth)
+    shapely.prepare(core)
+    return np.asarray(shapely.contains_xy(core, *points))
