@@ -186,8 +186,9 @@ def _triangles(loops: list[Array], thickness: float, size: float, grading: float
     ahead = [np.roll(loop, -1, axis=1) - loop for loop in loops]
     along = np.concatenate([np.hypot(*step) for step in ahead])
     middles = np.concatenate([loop + 0.5 * step for loop, step in zip(loops, ahead, strict=True)], axis=1)
-    gray, white = along.sum() * thickness, along.sum() * size / max(grading, 1e-9)
-    count = min(gray + white, even_odd(loops).area) / size**2
+    gray = along.sum() * thickness
+    white = min(along.sum() * size / max(grading, 1e-9), even_odd(loops).area)
+    count = (gray + white) / size**2
     for disc in fine if isinstance(fine, (tuple, list)) else (fine,):
         inside = min(along[disc.away(middles) == 0].sum() * thickness, np.pi * disc.radius**2)
         count += inside / (disc.share * size) ** 2
