@@ -126,6 +126,32 @@ def test_what_is_shown_is_read(tmp_path, shown):
 
 
 @pytest.mark.parametrize(
+    ("body", "holds", "cuts", "shape"),
+    [
+        ('<svg x="10" y="20" width="@" height="20"!><circle id="c" cx="20" cy="10" r="8"/></svg>',
+         "28", "27.9", "svg hides .* circle c"),
+        ('<symbol id="s" viewBox="0 0 10 10"!><circle id="c" cx="5" cy="5" r="@"/></symbol>'
+         '<use href="#s" width="20" height="20" transform="rotate(30)"/>',
+         "5", "5.01", "symbol s hides .* circle c"),
+        ('<g transform="scale(2 1)"><svg width="10" height="20" viewBox="0 0 10 10"!'
+         ' preserveAspectRatio="xMinYMid slice"><rect id="c" y="3" width="@" height="4"/></svg></g>',
+         "5", "5.1", "svg hides .* rect c"),
+    ],
+)  # fmt: skip
+def test_what_an_inner_viewport_hides_is_refused(tmp_path, body, holds, cuts, shape):
+    def read(number, overflow=""):
+        text = body.replace("@", number).replace("!", overflow)
+        return read_outline(drawing(tmp_path, text, 'viewBox="0 0 200 100"'), unit="mm")
+
+    read(holds)
+    for hidden in ("", ' overflow="hidden"', ' overflow="visible" style="overflow:scroll"'):
+        with pytest.raises(ValueError, match=f"{shape} reaches there"):
+            read(cuts, hidden)
+    for shown in (' overflow="visible"', ' style="overflow: visible"'):
+        read(cuts, shown)
+
+
+@pytest.mark.parametrize(
     ("body", "box"),
     [
         ('<rect width="9" height="9" transform="scale(2)" transform-origin="10 10"/>', [-10, -10, 8, 8]),

@@ -22,8 +22,8 @@ def read_drawing(
 
     name: id or label of the shapes, or of a group around them; "" for all.
     in_user_units: the coordinates of the drawing's viewBox are wanted, whatever width it states.
-    Raises ValueError for what is no SVG, for numbers that are wrong, for shapes that a clip-path or a mask
-    cuts, and where nothing is found.
+    Raises ValueError for what is no SVG, for numbers that are wrong, for shapes that a clip-path, a mask or
+    the viewport of an inner drawing or symbol cuts, and where nothing is found.
     """
     whole("samples", samples, at_least=1)
     shown, unit = shapes(_root(file), file.name, in_user_units=in_user_units)
@@ -40,6 +40,11 @@ def read_drawing(
             )
         for part in _parts(shape):
             points = _points(part, shape.place.matrix, samples)
+            if hidden := next((one for one in shape.place.windows if not one.holds(points)), None):
+                raise ValueError(
+                    f"{hidden.where} hides what lies beyond its width and height, and {shape.where} reaches "
+                    'there. Cut the shape itself, or write overflow="visible" at the former to read it whole.'
+                )
             if points.shape[1] >= 3:
                 loops.append(points)
                 names.append(words[-1] if words else "")

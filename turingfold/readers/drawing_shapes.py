@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from xml.etree.ElementTree import Element
 
+import numpy as np
 import svgelements as svg
 
+from ..arrays import Array
 from .drawing_style import CUTS, Rule, declared, kind_of, rules_of
 from .drawing_view import View, box_of, fitted, outermost, stated_unit, transform_of
 
@@ -15,12 +17,33 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 LINKS = ("href", "{http://www.w3.org/1999/xlink}href")
 SHAPES = ("path", "circle", "ellipse", "rect", "polygon", "polyline")
 GROUPS = ("svg", "g", "a", "switch", "use")
+SHOWN_BEYOND = ("visible", "auto")  # of overflow; a drawing in the drawing, and a symbol, hide it
+ROUND_OFF = 1e-6  # of a window's size
 LANGUAGE = "en"  # of which the branch of a switch is shown
 
 
 @dataclass(frozen=True)
+class Window:
+    """A viewport beyond which nothing is shown: a rectangle in the user units of what is around it."""
+
+    matrix: svg.Matrix
+    corner: tuple[float, float]
+    size: tuple[float, float]
+    where: str
+
+    def holds(self, points: Array) -> bool:
+        """Return whether places of the drawing, (2, n), y upward, lie in it, but for round-off."""
+        if not np.isfinite(self.size).all() or not self.matrix.determinant:
+            return True
+        at = np.stack((~self.matrix).point_in_matrix_space((points[0], -points[1])))
+        low, size = np.array(self.corner)[:, None], np.array(self.size)[:, None]
+        near = ROUND_OFF * size
+        return bool(((at >= low - near) & (at <= low + size + near)).all())
+
+
+@dataclass(frozen=True)
 class Place:
-    """Where an element is: matrix, viewport, the names round it, what cuts it, and the `use` elements."""
+    """Where an element is: matrix, viewport, the names round it, what cuts it, `use` elements, windows."""
 
     matrix: svg.Matrix
     view: View
@@ -28,6 +51,7 @@ class Place:
     visible: bool = True
     cut: str = ""
     users: tuple[Element, ...] = ()
+    windows: tuple[Window, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -140,6 +164,9 @@ def _viewport(given: Mapping[str, str], place: Place, where: str) -> Place:
         own if size is None else size
         for size, own in zip(sizes, (place.view.width, place.view.height), strict=True)
     )
+    if given.get("overflow", "hidden").strip().lower() not in SHOWN_BEYOND:
+        window = Window(place.matrix, (x, y), (width, height), where)
+        place = replace(place, windows=(*place.windows, window))
     box = box_of(given.get("viewBox"), where)
     if box is None:
         return replace(place, matrix=svg.Matrix.translate(x, y) * place.matrix, view=View(width, height))

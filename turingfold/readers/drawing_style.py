@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element
 SPACE = "{http://www.w3.org/2000/svg}"
 PLACES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry")
 CUTS = ("clip-path", "mask", "mask-image")  # of which only a part of a shape is shown
-READ = ("display", "visibility", "transform", "transform-origin", "transform-box", *PLACES, *CUTS)
+READ = ("display", "visibility", "transform", "transform-origin", "transform-box", "overflow", *PLACES, *CUTS)
 NOT_READ = ("d", "rotate", "scale", "translate", "offset-path", "zoom")  # properties that move shapes, too
 COMMENT = re.compile(r"/\*.*?\*/|<!--|-->|@(?:import|charset|namespace)[^;]*;", re.DOTALL)
 RULE = re.compile(r"([^{}]*)\{([^{}]*)\}")

@@ -62,7 +62,8 @@ def read_outline(
     SVG: every path, circle, ellipse, rect, polygon and polyline that is shown, each part of a path a curve of
     its own, with all transforms applied and the y axis turned to point upward; a Bézier curve or a quarter of
     an ellipse has `samples` points. The unit follows from a width or height in mm, cm, in, pt or pc and the
-    viewBox, laid into them as preserveAspectRatio says. Shapes cut by a clip-path or a mask are refused.
+    viewBox, laid into them as preserveAspectRatio says. Shapes cut by a clip-path, a mask or an inner
+    viewport are refused.
     name: id or label of the shapes (or of the group or layer that they are in) to read; left out: all.
     unit: of the file's coordinates, "m", "cm", "mm", "um", "nm", "in" or metres; left out: as the file says,
     and if it states none, the numbers are returned as they are. In a drawing it is that of the viewBox.
