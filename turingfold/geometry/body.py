@@ -162,6 +162,30 @@ class Body:
         return arc / (self.pial_curves.length * (2.0 if self.mirror else 1.0))
 
     @cached_property
+    def first_arcs(self) -> tuple[float, ...]:
+        """On each part of the pial surface the arc length where its shares count from, m.
+
+        On closed ones it is that of the outline's first point: where the mesh starts a part is by chance.
+        Bodies that no outline made have nothing else, and open parts count from their end: 0.
+        """
+        starts, found = np.array(self.changes.starts if self.changes else ()), []
+        for curve in self.pial_curves.parts:
+            found.append(0.0)
+            if curve.closed and len(starts):
+                away, _, arc = curve.nearest(starts.T)
+                k = int(np.argmin(away))
+                found[-1] = float(arc[k]) if away[k] < self.thickness else 0.0
+        return tuple(found)
+
+    def share_from_start(self, arc: Array) -> Array:
+        """Return arc lengths on the only part of the pial surface as shares counted from its start.
+
+        Counter-clockwise, from the outline's first point on a closed one, see `first_arcs`.
+        """
+        share = self.pial_share(arc - self.first_arcs[0])
+        return share % 1.0 if self.pial_curve.closed else share
+
+    @cached_property
     def interface(self) -> Integers:
         """Nodes along the gray-white interface, in the direction of the pial surface; (n_interface,).
 

@@ -154,16 +154,12 @@ def _on(body: Body, places: Places, values: Array, between: str, points: Array, 
 
 
 def _from_starts(body: Body, knots: Array) -> Array:
-    """Return arc lengths, of which those on closed parts count from where the outline's first point is.
-
-    Where the mesh starts such a part is by chance; bodies that no outline made have nothing else.
-    """
-    starts, before, found = np.array(body.changes.starts if body.changes else ()), 0.0, knots.copy()
-    for curve in body.pial_curves.parts if len(starts) else ():
-        away, _, arc = curve.nearest(starts.T)
-        k, on = int(np.argmin(away)), (knots >= before) & (knots <= before + curve.length)
-        if curve.closed and away[k] < body.thickness:
-            found[on] = before + (knots[on] - before + arc[k]) % curve.length
+    """Return arc lengths, of which those on closed parts count from where the outline's first point is."""
+    before, found = 0.0, knots.copy()
+    for curve, first in zip(body.pial_curves.parts, body.first_arcs, strict=True):
+        on = (knots >= before) & (knots <= before + curve.length)
+        if first:
+            found[on] = before + (knots[on] - before + first) % curve.length
         before += curve.length
     return found
 

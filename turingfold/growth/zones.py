@@ -85,7 +85,8 @@ class HalfPlane:
 class Window:
     """The tissue below a part of the pial surface, from `start` to `end` as shares of its length in [0, 1].
 
-    The surface is counted counter-clockwise; on a closed one a window with start > end goes round its seam.
+    The surface is counted counter-clockwise, that of a closed outline from the outline's first point; there a
+    window with start > end goes round it.
     edge: width of the ramps, inside the window, as such a share.
     """
 
@@ -107,7 +108,7 @@ class Window:
 
     def share(self, body: Body) -> Array:
         """Return how far each integration point belongs to the region, (q, e)."""
-        along, closed = body.pial_share(body.arc), body.pial_curve.closed
+        along, closed = body.share_from_start(body.arc), body.pial_curve.closed
         if self.start > self.end:
             if not closed:
                 raise ValueError(

@@ -50,8 +50,9 @@ class Landmarks:
 def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> Landmarks:
     """Return landmarks as (place, point): where one is on the undeformed surface, and at that age, in m.
 
-    A place is a share of the pial surface's length or a point in m. On half a body it is a share of the whole
-    surface's: up to 0.5 on the half, from where its own begins, the others on its image.
+    A place is a share of the pial surface's length, of a closed outline from its first point, or a point in
+    m. On half a body it is a share of the whole surface's: up to 0.5 on the half, from where its own begins,
+    the others on its image.
     Raises ValueError for places off the surface, what are no pairs, and bodies that nothing supports.
     """
     what = f"landmarks[{age:g}]"
@@ -71,6 +72,8 @@ def landmarks_of(body: Body, age: float, given: Sequence[tuple[Any, Any]]) -> La
     whole = length * (2.0 if body.mirror else 1.0)
     known, mirrored = _on_the_half(body, checked_places(places, len(points), what))
     arc = arcs_of(known, body.pial_curves, whole, body.thickness)
+    if np.ndim(known) == 1 and curve.closed:
+        arc = (arc + body.first_arcs[0]) % length
     mirrored |= arc > length
     arc = np.where(arc > length, whole - arc, arc)
     ends = np.append(curve.arc, length) if curve.closed else curve.arc

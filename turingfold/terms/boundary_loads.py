@@ -30,7 +30,8 @@ class BoundaryLoads(Load):
     """Forces f at places of the pial surface, each spread along it; dead loads, with the energy -f·u.
 
     The load at arc length s is Σ f w(s - s₀), ∫ w ds = 1 on the surface: the resultant is Σ f, to round-off.
-    places: shares of the pial surface's length in [0, 1], or points (x, y) in m within `width` of it.
+    places: shares of the pial surface's length in [0, 1], of a closed outline from its first point, or points
+    (x, y) in m within `width` of it.
     forces: (f_x, f_y) of each, N/m (N per m of depth).
     width: of w, m; the standard deviation ("gaussian"), or half the base ("hat").
     ramp: time over which the loads rise.
@@ -273,7 +274,7 @@ def _arcs(term: BoundaryLoads, body: Body) -> Array:
         arc = places * curve.length * (2.0 if body.mirror else 1.0)
         if arc.max() > curve.length * (1 + 1e-12):
             raise ValueError(f"places holds {places.max():g}; half a body has the shares 0 to 0.5.")
-        return np.asarray(arc)
+        return np.asarray((arc + body.first_arcs[0]) % curve.length if curve.closed else arc)
     away, _, arc = curve.nearest(places.T)
     k = int(np.argmax(away))
     if away[k] > term.width:

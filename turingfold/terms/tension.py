@@ -31,7 +31,8 @@ class AxonalTension(Load):
     direction None: the one that makes gyri at the peaks.
     follower: loads follow the deforming line instead of keeping their direction; only on the interface, where
     the tension then has the energy ∫ γ |∂x/∂s| ds.
-    patches: without a pattern, this many evenly spaced patches of equal strength; nothing is read then.
+    patches: without a pattern, this many evenly spaced patches of equal strength, the first at the end of the
+    pial surface, or at the first point of a closed outline; nothing is read then.
     ramp: time over which the load rises to its strength.
     """
 
@@ -91,7 +92,7 @@ class TensionOperator(Operator):
         """Return û at the curve's nodes, (3, m)."""
         body, term = self.body, self.term
         if term.patches:
-            share = body.pial_share(body.pial_curve.nearest(body.nodes[:, self.line.nodes])[2])
+            share = body.share_from_start(body.pial_curve.nearest(body.nodes[:, self.line.nodes])[2])
             values = 0.5 * (1.0 + np.cos(2 * np.pi * term.patches * share))
         else:
             values = body.spread(body.cortex, state["pattern"])[self.line.nodes]
