@@ -446,8 +446,8 @@ def test_one_of_several_curves_may_have_few_points():
     dot = np.array([[0.0, 0.01, 0.01], [0.0, 0.0, 0.01]]) + 2.0
     without = outline([circle(), dot], thickness=0.1, size=0.05, interface=[0.9 * circle(), dot])
     assert without.changes.notes == (
-        "1 curves of points smaller than half an element left out",
-        "1 curves of interface smaller than half an element left out",
+        "1 curves of points smaller than half an element left out, 5e-05 m²",
+        "1 curves of interface smaller than half an element left out, 5e-05 m²",
     )
     with pytest.raises(ValueError, match=r"interface encloses nothing as large as an element"):
         outline(circle(), thickness=0.1, size=0.05, interface=[dot, dot])

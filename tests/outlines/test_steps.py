@@ -1,10 +1,13 @@
 """Steps of voxels: discs, ellipses and waves, of known length and area, drawn in voxels and read again."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from planar import area
+from skfem import Basis, ElementTriP2
 
 from turingfold import Section, find_folds, gyrification_index, outline, perimeter, sections
 from turingfold.cli.case import load_case
@@ -98,5 +101,35 @@ def test_a_section_scaled_to_a_width_has_voxels_as_large(tmp_path):
 def test_specks_of_single_voxels_do_not_stop_an_image():
     section = imaged(disc, 0.5e-3)
     speck = 0.25e-3 * np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]]) + 0.035
-    _, changes = pial(Section([*section.pial, speck], voxel=section.voxel))
-    assert "1 curves of points smaller than 1.5 voxels left out" in changes.remarks()
+    _, changes = pial(replace(section, pial=[*section.pial, speck]))
+    area = 0.5e-3**2  # of one voxel
+    assert f"1 curves of points smaller than 1.5 voxels left out, {area:.2g} m²" in changes.remarks()
+
+
+def folded(edge):
+    """Return labels of a disc with twelve sulci, 3 mm wide, whose cortex is 3 mm thick; voxels of an edge."""
+    x = (np.arange(round(80e-3 / edge)) + 0.5) * edge - 40e-3
+    x, y = np.meshgrid(x + 0.13 * edge, x + 0.37 * edge, indexing="ij")
+    sulci = [
+        shapely.LineString(np.outer([16e-3, 40e-3], [np.cos(a), np.sin(a)]))
+        for a in np.arange(12) / 6 * np.pi
+    ]
+    tissue = shapely.Point(0, 0).buffer(30e-3) - shapely.union_all(sulci).buffer(1.5e-3)
+    inside = [shapely.contains_xy(area, x, y) for area in (tissue, tissue.buffer(-3e-3))]
+    return np.uint8(inside[0]) + np.uint8(inside[1])
+
+
+@pytest.mark.parametrize("edge", [1e-3, 2e-3])
+def test_each_tissue_has_the_area_of_its_voxels(edge):
+    """Without it smoothing fills sulci more than it wears off gyri: gray matter +1.1 % and +6.8 %."""
+    labels = folded(edge)
+    (section,) = sections((labels[:, None], np.diag([1e3 * edge] * 3 + [1.0])), gray=1, white=2)
+    for curves, voxels in ((section.pial, labels > 0), (section.white, labels > 1)):
+        enclosed = sum(abs(area(curve)) + section.lacking for curve in curves)
+        assert enclosed == pytest.approx(voxels.sum() * edge**2, rel=1e-9)
+    body = outline(section, size=T / 2)
+    areas = Basis(body.mesh, ElementTriP2(), intorder=4).dx.sum(axis=1)
+    gray = areas[body.mesh.subdomains["cortex"]].sum()
+    assert areas.sum() == pytest.approx((labels > 0).sum() * edge**2, rel=5e-3)
+    assert gray == pytest.approx((labels == 1).sum() * edge**2, rel=0.03)
+    assert body.changes.cortex == pytest.approx(gray / ((labels == 1).sum() * edge**2) - 1, abs=5e-3)

@@ -80,7 +80,8 @@ def outline(
     layers: "sharp" or "sigmoid", see `Body`.
     inset: walls of sulci that come nearer to each other than twice this are moved apart, by it; m; size/4.
     smooth: take away details of the curves shorter than this, in m; left out, of a `Section` of an image 1.5
-    voxels, else 0: nothing. A wave of four times this length keeps half its height, of eight times 93 %.
+    voxels, else 0: nothing. A wave of four times this length keeps half its height, of eight times 93 %. Each
+    closed curve of an image's `Section` encloses as much as before.
     fine: a disc, or several, of smaller elements in the cortex, as in zones of thinner cortex or more growth.
 
     What the elements cannot follow is rounded: tissue thinner than size/2 goes, the interface keeps one
@@ -98,6 +99,7 @@ def outline(
             f"base={base!r} needs base_ends=((x, y), (x, y)): where along the outline the base lies."
         )
     told = isinstance(points, Section)  # of its unit, when it was made
+    lacking = points.lacking if isinstance(points, Section) and points.voxel else None
     cut = points.cut_off(base_ends) if isinstance(points, Section) else []
     if isinstance(points, Section):
         if smooth is None and points.voxel is not None:
@@ -124,7 +126,8 @@ def outline(
         f"are size, thickness={depth.typical:g} and points in the same unit?",
     )  # fmt: skip
     doubts = cut if white is None or thickness is None else cut + _disagreement(loops, white, depth.typical)
-    given = _given(loops, base_ends, white, ventricles, (step, voxel), notes, doubts)
+    given = _given(loops, base_ends, white, ventricles, (step, voxel, lacking or 0.0), notes, doubts)
+    given = replace(given, lacking=lacking)
     mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     starts = tuple((float(x), float(y)) for x, y in (curve[:, 0] for curve in loops))
     changes = replace(changes, expected=max(MOVED * step, shortest, walls), starts=starts)
@@ -160,9 +163,12 @@ def _warn(changes: Changes, given: Given, shortest: float) -> None:
 
 def _given(
     loops: list[Array], base_ends: Any, white: list[Array] | None, holes: list[Array],
-    least: tuple[float, float], notes: list[str], doubts: list[str],
+    least: tuple[float, float, float], notes: list[str], doubts: list[str],
 ) -> Given:  # fmt: skip
-    """Return those of the curves that elements of a size can follow, with bases, and notes on the others."""
+    """Return those of the curves that elements of a size can follow, with bases, and notes on the others.
+
+    least: see `large_enough`.
+    """
 
     def followed(name: str, curves: list[Array]) -> list[Array]:
         kept, more = large_enough(name, curves, *least)
@@ -225,7 +231,7 @@ def _filled(
 
     scaled = replace(
         given, pial=near(given.pial), white=None if given.white is None else near(given.white),
-        holes=near(given.holes),
+        holes=near(given.holes), lacking=None if given.lacking is None else given.lacking / unit**2,
     )  # fmt: skip
     edge, apart, shorter = (float(np.float32(length / unit)) for length in lengths)
     made, changes = domain(scaled, depth.scaled(centre, unit), edge, apart, shorter, unit)

@@ -43,7 +43,8 @@ class Given:
     """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes.
 
     notes: on what was left out of them.  doubts: on what they may not be meant to be.  steps: whether they
-    have steps of voxels, which are smoothed away.
+    have steps of voxels, which are smoothed away.  lacking: area, beside its own, that each closed curve of
+    an image keeps when it is smoothed, m²; None: none.
     """
 
     pial: list[Array]
@@ -53,6 +54,7 @@ class Given:
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     steps: bool = False
+    lacking: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +127,7 @@ def domain(
     Raises ValueError if no tissue or no white matter is left.
     """
     step = size / FINE
-    surface = traced(given.pial, step, smooth, given.bases)
+    surface = traced(given.pial, step, smooth, given.bases, given.lacking)
     measured = even_odd(surface.polygons)
     bases = shapely.union_all([LineString(base.T) for base in surface.bases])
     area = fitted(measured, size, inset, bases)
@@ -136,7 +138,7 @@ def domain(
         )
     pial = area.boundary.difference(bases.buffer(ROUND_OFF * size)) if given.bases else area.boundary
     white = None if given.white is None else [_beyond(one, surface.bases, size) for one in given.white]
-    within = None if white is None else traced(white, step, smooth)
+    within = None if white is None else traced(white, step, smooth, lacking=given.lacking)
     even = thickness.at is None and within is None
     if even:
         _refuse_thick(area, pial, thickness.typical, unit)
@@ -148,7 +150,7 @@ def domain(
     inner, walls, holes = large(unchanged_near(bases, inner, raw, size), size**2), None, MultiPolygon()
     told: list[str] = []
     if given.holes:
-        walls = traced(given.holes, step, smooth)
+        walls = traced(given.holes, step, smooth, lacking=given.lacking)
         deep = below(area, pial, 2 * size).difference(bases.buffer(size))
         asked = united(walls.polygons)
         holes = large(smoothed(asked.intersection(deep), size, 0.5 * size), size**2)
@@ -162,10 +164,12 @@ def domain(
     made = Domain(
         area, inner, holes, surface.bases, surface, within, walls, size, thickness.typical if even else 0.0,
     )  # fmt: skip
-    rough = measured if smooth == 0 else even_odd(traced(given.pial, step, 0.0, given.bases).polygons)
-    changes = _changes(given, rough, measured, made, inset)
+    # smoothing away the steps of voxels keeps their area, and is no change
+    same = smooth == 0 or given.steps
+    rough = measured if same else even_odd(traced(given.pial, step, 0.0, given.bases).polygons)
+    changes = _changes(given, rough, made, inset)
     if given.white is not None:
-        below_it = even_odd(traced(given.white, step).polygons)
+        below_it = own if same else even_odd(traced(given.white, step).polygons)
         if given.holes:  # no cortex, though an inner ring of the white surface may be their wall
             below_it = below_it.union(united(given.holes))
         ribbon = rough.difference(below_it).area
@@ -226,18 +230,10 @@ def _refuse_thick(area: MultiPolygon, pial: BaseGeometry, thickness: float, unit
     )
 
 
-def _changes(
-    given: Given, rough: BaseGeometry, measured: BaseGeometry, made: Domain, inset: float
-) -> Changes:
-    """Return what differs from the measured tissue, before smoothing (`rough`) and after it.
-
-    Of steps of voxels that are smoothed away only the sum counts: they are no tissue that is lost or filled.
-    """
+def _changes(given: Given, rough: BaseGeometry, made: Domain, inset: float) -> Changes:
+    """Return what differs from the tissue before smoothing, `rough`."""
     before, after = rough.area, made.area.area
-    if given.steps:
-        lost = measured.difference(made.area).area + max(0.0, before - measured.area)
-    else:
-        lost = rough.difference(made.area).area
+    lost = rough.difference(made.area).area
     delivered = even_odd(given.pial)
     dropped = [one for one in pieces(delivered) if not one.intersects(made.area)]
     filled = [one for one in hollows(delivered) if made.area.contains(one)]

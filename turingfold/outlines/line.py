@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from shapely import Polygon
 
 from ..arrays import Array
 
@@ -11,13 +12,18 @@ FINER = 32  # points of a line per step: so many that the chord between two is t
 LEFT = 0.1  # share of its length that smoothing must leave of a curve
 
 
-def line(points: Array, closed: bool, step: float, smooth: float = 0.0) -> Array:
+def line(
+    points: Array, closed: bool, step: float, smooth: float = 0.0, lacking: float | None = None
+) -> Array:
     """Return points on the curve through points (2, n), every 32nd about `step` apart, (2, m).
 
     The curve is a cubic spline, after details shorter than `smooth` (m) are taken away: the evenly resampled
     points are convolved with the kernel 2g - g*g, g a Gaussian of standard deviation `smooth`, so that a
     circle of radius R shrinks by only R (smooth/R)⁴/4. The ends of an open curve stay where they are; a
     closed one does not repeat its first point.
+    lacking: move a smoothed closed curve, counter-clockwise, along its normals until it encloses as much as
+    before and so much more, m²; if None narrow sulci, which fill up more than wide gyri wear off, make tissue
+    larger.
     Raises ValueError for a `smooth` that leaves nothing of the curve.
     """
     nodes = np.concatenate([points, points[:, :1]], axis=1) if closed else points
@@ -38,8 +44,22 @@ def line(points: Array, closed: bool, step: float, smooth: float = 0.0) -> Array
     dense = np.linspace(0.0, along[-1], 8 * len(along))
     arc = _lengths(spline(dense).T)
     count = FINER * max(2, round(float(arc[-1]) / step))
-    even = np.interp(np.linspace(0.0, arc[-1], count + 1), arc, dense)
-    return np.asarray(spline(even[: count if closed else count + 1]).T)
+    even = np.interp(np.linspace(0.0, arc[-1], count + 1), arc, dense)[: count if closed else count + 1]
+    curve = np.asarray(spline(even).T)
+    if closed and smooth > 0 and lacking is not None:
+        x, y = (along := spline(even, 1).T) / np.hypot(*along)
+        curve += _widening(curve, Polygon(points.T).area + lacking) * np.stack([y, -x])
+    return curve
+
+
+def _widening(curve: Array, area: float) -> float:
+    """Return how far a closed curve (2, n) is from the parallel one outside that encloses an area.
+
+    At distance d that encloses A + L d + π d², with L the length (Steiner); L² >= 4π A, so that d is real.
+    """
+    around = Polygon(curve.T)
+    more = area - around.area
+    return float(2 * more / (around.length + np.sqrt(around.length**2 + 4 * np.pi * more)))
 
 
 def _lengths(points: Array) -> Array:

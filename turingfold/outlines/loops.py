@@ -73,10 +73,11 @@ def _refuse_tangled(name: str, curve: Array) -> None:
 
 
 def large_enough(
-    name: str, loops: list[Array], size: float, voxel: float = 0.0
+    name: str, loops: list[Array], size: float, voxel: float = 0.0, lacking: float = 0.0
 ) -> tuple[list[Array], list[str]]:
     """Return the loops that are at least size/2 and 1.5 voxels wide or high, and a note on the others.
 
+    lacking: see `Section`, m².
     Raises ValueError if all are smaller.
     """
     least, what = max((0.5 * size, "half an element"), (1.5 * voxel, "1.5 voxels"))
@@ -87,8 +88,9 @@ def large_enough(
             f"{name} encloses nothing as large as an element: its largest curve is {widest:.3g} m wide; use "
             f"smaller elements (size={size:.3g} m), and the same unit for all curves."
         )
-    fewer = len(loops) - len(kept)
-    return kept, [f"{fewer} curves of {name} smaller than {what} left out"] if fewer else []
+    left = [Polygon(loop.T).area + lacking for loop in loops if np.ptp(loop, axis=1).max() < least]
+    note = f"{len(left)} curves of {name} smaller than {what} left out, {sum(left):.2g} m²"
+    return kept, [note] if left else []
 
 
 def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[int, int, int]]:
@@ -143,11 +145,13 @@ class Trace:
 
 
 def traced(
-    loops: list[Array], step: float, smooth: float = 0.0, bases: Sequence[tuple[int, int, int]] = ()
-) -> Trace:
+    loops: list[Array], step: float, smooth: float = 0.0, bases: Sequence[tuple[int, int, int]] = (),
+    lacking: float | None = None,
+) -> Trace:  # fmt: skip
     """Return loops (2, n) sampled every `step` along the splines through their points; bases stay as given.
 
     Points within 0.8 steps of the one before are left out. smooth: details shorter than this go.
+    lacking: see `line`.
     """
     polygons, fine, bottoms = [], [], []
     for k, loop in enumerate(loops):
@@ -155,7 +159,8 @@ def traced(
         for part, curved in _parts(loop, [base[1:] for base in bases if base[0] == k]):
             closed = curved and part is loop
             if curved:
-                points = line(_evened(_thinned(part, closed, 0.8 * step), closed), closed, step, smooth)
+                points = _evened(_thinned(part, closed, 0.8 * step), closed)
+                points = line(points, closed, step, smooth, lacking)
             else:
                 bottoms.append(points := part)
             dense.append(points if closed else points[:, :-1])

@@ -32,6 +32,7 @@ class Section:
     unit: that the file of the curves states; m, None where it states none.
     cuts: where the edge of an image cuts the tissue, the ends of each part of the curves along it, m; they
     are base_ends of `outline`.
+    lacking: area by which each curve encloses less than the voxels in it, m².
     """
 
     pial: Sequence[Array]
@@ -43,6 +44,7 @@ class Section:
     voxel: float | None = None
     unit: float | None = None
     cuts: Sequence[Cut] = ()
+    lacking: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("pial", "white", "holes"):

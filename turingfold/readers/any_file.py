@@ -126,5 +126,9 @@ def _scaled(section: Section, width: float) -> Section:
     pial, white, holes = (
         [scale * curve for curve in curves] for curves in (section.pial, section.white, section.holes)
     )
+    cuts = [((scale * a, scale * b), (scale * c, scale * d)) for (a, b), (c, d) in section.cuts]
     voxel = None if section.voxel is None else scale * section.voxel
-    return replace(section, pial=pial, white=white, holes=holes, position=None, voxel=voxel)
+    return replace(
+        section, pial=pial, white=white, holes=holes, position=None, voxel=voxel, cuts=cuts,
+        lacking=scale**2 * section.lacking,
+    )  # fmt: skip

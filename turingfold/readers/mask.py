@@ -50,9 +50,9 @@ def sections(
     pixel_mm: the edge of a pixel, for pictures and arrays with two axes.
 
     The curves are those of marching squares, linear between the centres of voxels. A label counts as 1 inside
-    and 0 outside, so that its curve runs midway: it keeps the voxels' area, and their steps, which `outline`
-    smooths away from a `Section`. Where the image's edge cuts the tissue, the curve runs along it: see `cuts`
-    of `Section`.
+    and 0 outside, so that its curve runs midway and cuts the corners: it encloses its voxels less half a one
+    (`lacking`), and has their steps; `outline` smooths these away from a `Section`, and makes up for that.
+    Where the image's edge cuts the tissue, the curve runs along it: see `cuts` of `Section`.
     Raises ValueError for what cannot be read, and for planes and labels that the image does not have.
     """
     one_of("plane", plane, tuple(PLANES))
@@ -139,7 +139,10 @@ def _section(tissues: dict[str, Tissue], plane: str, index: int) -> Section:
     source = f"{image.source}, {plane} plane {index}"
     edge = float(np.linalg.norm(image.frame(plane, index)[1], axis=0).max())
     cuts = _cuts(image, plane, index, _tissue(tissues, plane, index) > level)
-    return Section(pial, white, holes, plane, position, source, voxel=edge, cuts=cuts)
+    labels = np.isin(_tissue(tissues, plane, index), (0.0, 1.0)).all()
+    # of corners that turn outward there are four more than of those that turn inward, each of 1/8
+    lacking = 0.5 * abs(np.linalg.det(image.frame(plane, index)[1])) if labels else 0.0
+    return Section(pial, white, holes, plane, position, source, voxel=edge, cuts=cuts, lacking=lacking)
 
 
 def _cuts(image: Image, plane: str, index: int, inside: Booleans) -> tuple[Cut, ...]:
