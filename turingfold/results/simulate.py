@@ -165,6 +165,7 @@ class _Run:
         try:
             for step, position in march(self.scene, self.position, self.problem):
                 self._accept(step, position)
+                del step  # the next one needs the memory
         except SolveError as error:
             raise StoppedError(error, self._finish("stopped", str(error))) from error
         except KeyboardInterrupt:

@@ -145,6 +145,7 @@ def march(
             minimiser.forget()
         progress = _after(step, progress, dt, scene, minimiser.memory, strict)
         yield step, progress
+        del step  # with all that was computed at its end
 
 
 def _way(progress: Progress, dt: float, failures: int, overshot: bool, stepping: Stepping) -> str:

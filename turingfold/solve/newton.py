@@ -103,6 +103,7 @@ class Minimiser:
                 raise NotConvergedError("the forces are not finite", residual=residual)
             if residual <= self.tolerance and (iteration or self._is_balanced(residual, start)):
                 return Equilibrium(at, residual, self._certified(at, guess, origin, tangent))
+            start = at  # lets go of what was computed there
             if iteration == self.iterations:
                 break
             self._heed_deadline(residual)

@@ -59,7 +59,8 @@ class PairBarrier(ABC):
 
     def directions(self, points: Array) -> Array:
         """Return α and β at each place, (2, p, c, 2), of nodes at `points` (m, 2)."""
-        return np.asarray(np.einsum("apn,ncx->apcx", self.shares, points[self.nodes], optimize=True))
+        found = self.shares @ points[self.nodes].reshape(len(self.nodes), -1)
+        return found.reshape(*self.shares.shape[:2], -1, 2)
 
     def at(self, points: Array) -> ClosePairs:
         """Return the pairs and places that the barrier acts on where the nodes are at `points`, (m, 2)."""
