@@ -26,11 +26,11 @@ def tissue(body):
 @pytest.mark.parametrize(
     ("white", "message"),
     [
-        (1.2 * PIAL, r"interface: 0\.69 of the area .* inside the pial surface.*at least 0\.9.*same unit"),
+        (1.2 * PIAL, r"interface: 0\.69 of its area, .* inside the pial surface.*at least 0\.9.*same unit"),
         (PIAL, r"interface encloses 1 of the area .* no cortex"),
         (1.02 * PIAL, r"interface encloses 1 of the area .* no cortex"),
-        (900 * PIAL, r"interface: 1\.2e-06 of the area .*same unit"),
-        (shifted(0.9, x=0.2), r"interface: 0 of the area"),
+        (900 * PIAL, r"interface: 1\.2e-06 of its area, .*same unit"),
+        (shifted(0.9, x=0.2), r"interface: 0 of its area"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:interface is .* large")

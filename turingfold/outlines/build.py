@@ -92,22 +92,22 @@ def outline(
     one_of("base", base, BASES)
     one_of("hole", hole, HOLES)
     shortest = between("smooth", 0.0 if smooth is None else smooth, 0.0, float("inf"))
-    voxel, notes = 0.0, list[str]()
     between("grading", grading, 0.0, 1.0)
     if base != "free" and base_ends is None:
         raise ValueError(
             f"base={base!r} needs base_ends=((x, y), (x, y)): where along the outline the base lies."
         )
-    told = isinstance(points, Section)  # of its unit, when it was made
-    lacking = points.lacking if isinstance(points, Section) and points.voxel else None
-    cut = points.cut_off(base_ends) if isinstance(points, Section) else []
+    voxel, lacking, notes, doubts = 0.0, None, list[str](), list[str]()
     if isinstance(points, Section):
+        doubts += points.cut_off(base_ends)
+        lacking = None if points.voxel is None else points.lacking
         if smooth is None and points.voxel is not None:
             voxel, shortest = points.voxel, VOXELS * points.voxel
             notes.append(STEPS.format(shortest))
         interface, holes, points = points.white or interface, points.holes or holes, points.pial
-    loops = closed_loops("points", points)
-    if not told:
+        loops = closed_loops("points", points)
+    else:
+        loops = closed_loops("points", points)
         note_large("points", loops, "multiply them by 1e-3")
     white = None if interface is None else closed_loops("interface", interface)
     if white is not None:
@@ -125,9 +125,9 @@ def outline(
         _triangles(loops, depth.typical, step, grading, fine), step,
         f"are size, thickness={depth.typical:g} and points in the same unit?",
     )  # fmt: skip
-    doubts = cut if white is None or thickness is None else cut + _disagreement(loops, white, depth.typical)
-    given = _given(loops, base_ends, white, ventricles, (step, voxel, lacking or 0.0), notes, doubts)
-    given = replace(given, lacking=lacking)
+    if white is not None and thickness is not None:
+        doubts += _disagreement(loops, white, depth.typical)
+    given = _given(loops, base_ends, white, ventricles, (step, voxel), lacking, notes, doubts)
     mesh, changes = _filled(given, depth, (step, walls, shortest), finest, grading)
     starts = tuple((float(x), float(y)) for x, y in (curve[:, 0] for curve in loops))
     changes = replace(changes, expected=max(MOVED * step, shortest, walls), starts=starts)
@@ -135,16 +135,8 @@ def outline(
         area = united(ventricles).intersection(even_odd(loops)).area
         changes = replace(changes, holes=1 - of_walls(mesh) / area)
     _warn(changes, given, shortest)
-    even = interface is None and depth.at is None
-    return Body(
-        mesh,
-        depth.typical,
-        base,
-        layers,
-        hole=hole,
-        depth_by="thickness" if even else "interface",
-        changes=changes,
-    )
+    by = "thickness" if interface is None and depth.at is None else "interface"
+    return Body(mesh, depth.typical, base, layers, hole=hole, depth_by=by, changes=changes)
 
 
 def _warn(changes: Changes, given: Given, shortest: float) -> None:
@@ -163,25 +155,20 @@ def _warn(changes: Changes, given: Given, shortest: float) -> None:
 
 def _given(
     loops: list[Array], base_ends: Any, white: list[Array] | None, holes: list[Array],
-    least: tuple[float, float, float], notes: list[str], doubts: list[str],
+    lengths: tuple[float, float], lacking: float | None, notes: list[str], doubts: list[str],
 ) -> Given:  # fmt: skip
-    """Return those of the curves that elements of a size can follow, with bases, and notes on the others.
+    """Return those of the curves that elements can follow, with bases, and notes on the others.
 
-    least: see `large_enough`.
+    lengths: size, and edge of the voxels whose steps are smoothed away, 0 where none are; m.
     """
-
-    def followed(name: str, curves: list[Array]) -> list[Array]:
-        kept, more = large_enough(name, curves, *least)
-        notes.extend(more)
-        return kept
-
+    least = (*lengths, lacking or 0.0)
     notes.extend(overlapping(holes))
-    loops = followed("points", loops)
-    white = None if white is None else followed("interface", white)
-    holes = followed("holes", holes) if holes else []
+    loops = large_enough("points", loops, least, notes)
+    white = None if white is None else large_enough("interface", white, least, notes)
+    holes = large_enough("holes", holes, least, notes)
     doubts = [*doubts, *crossing(loops), *inside(loops), *tangled("hole {}", holes)]
     bases = placed_bases(loops, base_ends, least[0])
-    return Given(loops, bases, white, holes, tuple(notes), tuple(doubts), steps=least[1] > 0)
+    return Given(loops, bases, white, holes, tuple(notes), tuple(doubts), least[1] > 0, lacking)
 
 
 def _triangles(loops: list[Array], thickness: float, size: float, grading: float, fine: Any) -> float:
@@ -261,12 +248,13 @@ def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] |
         curve = np.asarray(curve, dtype=float)
         curve = curve if curve.shape[0] == 2 else curve.T
         value = _positive(value, curve.shape[1], name)
-        s = np.arange(0, curve.shape[1] + 1 / 32, 1 / 16)  # so dense that the nearest one will do
-        ring = np.concatenate([curve, curve[:, :1]], axis=1)
-        where.append([np.interp(s, np.arange(ring.shape[1]), x) for x in ring])
-        thick.append(np.interp(s, np.arange(ring.shape[1]), np.append(value, value[0])))
-    tree, along = cKDTree(np.concatenate(where, axis=1).T), np.concatenate(thick)
-    return Thickness(float(along.mean()), lambda x: along[tree.query(x.T)[1]])
+        count = curve.shape[1]
+        s = np.arange(0, count + 1 / 32, 1 / 16)  # so dense that the nearest one will do
+        *places, along = (np.interp(s, np.arange(count), x, period=count) for x in (*curve, value))
+        where.append(places)
+        thick.append(along)
+    tree, values = cKDTree(np.concatenate(where, axis=1).T), np.concatenate(thick)
+    return Thickness(float(values.mean()), lambda x: values[tree.query(x.T)[1]])
 
 
 def _median_depth(loops: list[Array], white: list[Array]) -> float:

@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..geometry.changes import Changes
 from .loops import Trace, traced
 from .region import (
+    along,
     below,
     buried,
     even_odd,
@@ -76,8 +77,8 @@ class Thickness:
 class Domain:
     """What is to be meshed.
 
-    area: without holes.  white: white matter, with the holes in it.  pial, bases: lines along the boundary.
-    surface, within, walls: the smooth curves of pial surface, interface and holes.
+    area: without holes.  white: white matter, with the holes in it.  bases: lines along the boundary.
+    smooth: the curves of "pial" surface, "interface" and "hole" as they are given.
     depth: of the interface below the pial surface if it is the same everywhere, else 0.
     """
 
@@ -85,36 +86,25 @@ class Domain:
     white: MultiPolygon
     holes: MultiPolygon
     bases: list[Array]
-    surface: Trace
-    within: Trace | None
-    walls: Trace | None
+    smooth: dict[str, Trace]
     size: float
     depth: float
 
-    def on_surface(self, at: Array) -> Array:
-        """Return points (2, n) put on the pial surface as given, where they are almost on it."""
-        return _snapped(self.surface, at, NEAR * self.size)
+    def put(self, kind: str, at: Array) -> Array:
+        """Return points (2, n) put on the smooth curves of a kind, where they are almost on them.
 
-    def on_wall(self, at: Array) -> Array:
-        """Return points (2, n) put on the walls of the holes as given, where they are almost on them."""
-        return at if self.walls is None else _snapped(self.walls, at, NEAR * self.size)
-
-    def on_interface(self, at: Array) -> Array:
-        """Return points (2, n) put on the white surface as given, or at the depth of one thickness."""
-        if self.within is not None:
-            return _snapped(self.within, at, NEAR * self.size)
-        if not self.depth:
+        On an interface without any, at the depth of one thickness.
+        """
+        if kind in self.smooth:
+            feet = self.smooth[kind].feet(at)
+            return np.where(np.hypot(*(feet - at)) < NEAR * self.size, feet, at)
+        if kind != "interface" or not self.depth:
             return at
-        feet = self.surface.feet(at)
+        feet = self.smooth["pial"].feet(at)
         distance = np.hypot(*(at - feet))
         near = np.abs(distance - self.depth) < max(NEAR * self.size, OFFSET * self.depth)
         deep = feet + (self.depth / np.where(near, distance, 1.0)) * (at - feet)
         return np.where(near, deep, at)
-
-
-def _snapped(curves: Trace, at: Array, tolerance: float) -> Array:
-    feet = curves.feet(at)
-    return np.where(np.hypot(*(feet - at)) < tolerance, feet, at)
 
 
 def domain(
@@ -161,9 +151,9 @@ def domain(
             "thickness leaves no white matter anywhere inside the outline; use a thinner cortex, and the "
             "same unit for thickness and points."
         )
-    made = Domain(
-        area, inner, holes, surface.bases, surface, within, walls, size, thickness.typical if even else 0.0,
-    )  # fmt: skip
+    curves = {"pial": surface, "interface": within, "hole": walls}
+    lines = {kind: one for kind, one in curves.items() if one is not None}
+    made = Domain(area, inner, holes, surface.bases, lines, size, thickness.typical if even else 0.0)
     # smoothing away the steps of voxels keeps their area, and is no change
     same = smooth == 0 or given.steps
     rough = measured if same else even_odd(traced(given.pial, step, 0.0, given.bases).polygons)
@@ -190,10 +180,9 @@ def _beyond(curve: Array, bases: list[Array], size: float) -> Array:
     moved = curve.copy()
     for base in bases:
         line, step = LineString(base.T), np.diff(base, axis=1)
-        arc = np.concatenate([[0.0], np.cumsum(np.hypot(*step))])
         at = line.project(shapely.points(curve.T))
         near = shapely.distance(line, shapely.points(curve.T)) < NEAR_BASE * size
-        k = np.clip(np.searchsorted(arc, at[near], side="right") - 1, 0, step.shape[1] - 1)
+        k = np.clip(np.searchsorted(along(base), at[near], side="right") - 1, 0, step.shape[1] - 1)
         outward = np.stack([step[1, k], -step[0, k]]) / np.hypot(*step[:, k])  # bases run counter-clockwise
         foot = shapely.get_coordinates(line.interpolate(at[near])).T
         moved[:, near] = foot + size * outward
@@ -241,7 +230,7 @@ def _changes(given: Given, rough: BaseGeometry, made: Domain, inset: float) -> C
     at = np.concatenate(given.pial, axis=1)
     at = at[:, ~shapely.intersects_xy(gone.buffer(ROUND_OFF * made.size), *at)]
     away, beside = moved(at, made.area, walls, 0.5 * made.size)
-    surface = np.concatenate(made.surface.polygons, axis=1)
+    surface = np.concatenate(made.smooth["pial"].polygons, axis=1)
     closed = buried(surface, made.area, made.size) & ~shapely.intersects_xy(gone, *surface)
     return Changes(
         moved=away,

@@ -95,7 +95,7 @@ def _triangulated(found: Frame, free: Array) -> tuple[Array, Integers]:
     triangles[1:, turn < 0] = triangles[:0:-1, turn < 0]
     # only a triangle with all its corners on the boundary can lie outside, or be flat
     around = np.zeros(points.shape[1], dtype=bool)
-    around[: len(found.on_boundary)] = found.on_boundary
+    around[found.boundary] = True
     unsure = np.flatnonzero(around[triangles].all(0))
     centres, longest = points[:, triangles[:, unsure]].mean(1), ((b - a) ** 2 + (c - a) ** 2).sum(0)[unsure]
     keep = shapely.contains_xy(found.domain, *centres) & (np.abs(turn[unsure]) > FLAT * longest)

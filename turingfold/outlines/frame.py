@@ -9,9 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from ..arrays import Array, Booleans, Integers
+from .region import along
 
 Size = Callable[[Array], Array]  # points (2, n) -> edge length (n,)
 Put = Callable[[Array], Array]  # points (2, n) near a smooth line -> points on it
@@ -41,7 +43,7 @@ class Side:
     @cached_property
     def arc(self) -> Array:
         """Arc length at the points, (n,)."""
-        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.line, axis=1)))])
+        return along(self.line)
 
     def at(self, s: Array) -> Array:
         """Return the points at arc lengths, (2, m)."""
@@ -103,8 +105,8 @@ def _edge_lengths(made: Side, low: float, high: float, size: Size) -> tuple[Arra
         edge = np.minimum(edge, np.maximum(most / np.maximum(bend, 1e-12 / h), FINEST * edge))
     grading = 0.35
     laps = 3 if made.closed else 1
-    along = np.concatenate([s + lap * (high - low) for lap in range(laps)])
-    slope, edge = grading * along, np.tile(edge, laps)
+    slope = grading * np.concatenate([s + lap * (high - low) for lap in range(laps)])
+    edge = np.tile(edge, laps)
     edge = np.minimum(edge, slope + np.minimum.accumulate(edge - slope))
     edge = np.minimum(edge, np.minimum.accumulate((edge + slope)[::-1])[::-1] - slope)
     return s, edge[len(s) : 2 * len(s)] if made.closed else edge
@@ -119,20 +121,24 @@ def _graded(s: Array, edge: Array, fewest: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What a mesh keeps: `points` (2, n), `edges` (2, m) of them; `outer` tells which edges are boundary.
+    """What a mesh keeps: `points` (2, n), and `edges` (2, m) of them.
 
-    exact: the points before they were rounded.  kinds: of the sides.  side, place: of each edge, the side it
-    belongs to and its number there.  middles: of the edges, (2, m).
+    exact: the points before they were rounded.  kinds: of the edges, (m,).  side, place: of each edge, the
+    side it belongs to and its number there.  middles: of the edges, (2, m).
     """
 
     points: Array
     exact: Array
-    kinds: tuple[str, ...]
+    kinds: NDArray[np.str_]
     edges: Integers
-    outer: Booleans
     side: Integers
     place: Integers
     middles: Array
+
+    @cached_property
+    def boundary(self) -> Integers:
+        """The edges along the boundary, (2, b)."""
+        return np.asarray(self.edges[:, self.kinds != "interface"])
 
     @cached_property
     def centres(self) -> Array:
@@ -147,48 +153,28 @@ class Frame:
     @cached_property
     def domain(self) -> BaseGeometry:
         """What the boundary edges enclose, ready to be asked about points."""
-        ends = np.moveaxis(self.points[:, self.edges[:, self.outer]], 0, -1)  # (2, m, 2)
+        ends = np.moveaxis(self.points[:, self.boundary], 0, -1)  # (2, b, 2)
         area = shapely.build_area(shapely.multilinestrings(shapely.linestrings(ends.swapaxes(0, 1))))
         shapely.prepare(area)
         return area
 
-    @cached_property
-    def on_boundary(self) -> Booleans:
-        """Whether each point is on the boundary, (n,)."""
-        found = np.zeros(self.points.shape[1], dtype=bool)
-        found[self.edges[:, self.outer]] = True
-        return found
-
 
 def frame(sides: list[Side]) -> Frame:
     """Return the nodes and edges of lines; equal nodes become one."""
-    starts = np.cumsum([0, *(one.nodes.shape[1] for one in sides)])
+    starts = np.cumsum([one.nodes.shape[1] for one in sides[:-1]])
     exact = np.concatenate([one.nodes for one in sides], axis=1)
     points, first, local = np.unique(
         np.round(exact / RESOLUTION) * RESOLUTION, axis=1, return_index=True, return_inverse=True
     )
-    edges, number, place = [], [], []
-    for k, one in enumerate(sides):
-        ids = local.ravel()[starts[k] : starts[k + 1]]
-        onward = np.roll(ids, -1)
-        pair = np.stack([ids, onward]) if one.closed else np.stack([ids[:-1], onward[:-1]])
-        edges.append(pair)
-        number.append(np.full(pair.shape[1], k))
-        place.append(np.arange(pair.shape[1]))
-    which = np.concatenate(number)
-    outer = np.array([one.kind != "interface" for one in sides])[which]
+    counts = [len(one.places) - 1 for one in sides]
+    edges = [
+        np.stack([ids, np.roll(ids, -1)])[:, :count]  # a closed line has as many nodes as edges
+        for ids, count in zip(np.split(local.ravel(), starts), counts, strict=True)
+    ]
+    which, place = np.repeat(np.arange(len(sides)), counts), np.concatenate([np.arange(n) for n in counts])
     middles = np.concatenate([one.middles for one in sides], axis=1)
-    kinds = tuple(one.kind for one in sides)
-    return Frame(
-        points,
-        exact[:, first],
-        kinds,
-        np.concatenate(edges, axis=1),
-        outer,
-        which,
-        np.concatenate(place),
-        middles,
-    )
+    kinds = np.array([one.kind for one in sides])[which]
+    return Frame(points, exact[:, first], kinds, np.concatenate(edges, axis=1), which, place, middles)
 
 
 def split(sides: list[Side], found: Frame, edges: Integers) -> list[Side]:

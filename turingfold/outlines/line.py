@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 from shapely import Polygon
 
 from ..arrays import Array
+from .region import along
 
 FINER = 32  # points of a line per step: so many that the chord between two is the curve
 LEFT = 0.1  # share of its length that smoothing must leave of a curve
@@ -27,27 +28,26 @@ def line(
     Raises ValueError for a `smooth` that leaves nothing of the curve.
     """
     nodes = np.concatenate([points, points[:, :1]], axis=1) if closed else points
-    along = _lengths(nodes)
+    at = along(nodes)
     if smooth > 0:
-        count = max(nodes.shape[1], int(np.ceil(4 * along[-1] / smooth)))
-        even = np.linspace(0.0, along[-1], count + 1)
-        nodes = np.stack([np.interp(even, along, x) for x in nodes])
-        nodes = _smoothed(nodes, closed, smooth / (along[-1] / count))
-        left = _lengths(nodes)[-1]
-        if left < LEFT * along[-1]:
+        length, given = at[-1], at
+        count = max(nodes.shape[1], int(np.ceil(4 * length / smooth)))
+        at = np.linspace(0.0, length, count + 1)
+        nodes = np.stack([np.interp(at, given, x) for x in nodes])
+        nodes = _smoothed(nodes, closed, smooth / (length / count))
+        if (left := along(nodes)[-1]) < LEFT * length:
             raise ValueError(
-                f"smooth is {smooth / along[-1]:.2g} of the length of a curve, and {left / along[-1]:.2g} "
+                f"smooth is {smooth / length:.2g} of the length of a curve, and {left / length:.2g} "
                 f"of that is left; at least {LEFT:g} must stay, so make it smaller."
             )
-        along = even
-    spline = CubicSpline(along, nodes.T, bc_type="periodic" if closed else "not-a-knot")
-    dense = np.linspace(0.0, along[-1], 8 * len(along))
-    arc = _lengths(spline(dense).T)
+    spline = CubicSpline(at, nodes.T, bc_type="periodic" if closed else "not-a-knot")
+    dense = np.linspace(0.0, at[-1], 8 * len(at))
+    arc = along(spline(dense).T)
     count = FINER * max(2, round(float(arc[-1]) / step))
     even = np.interp(np.linspace(0.0, arc[-1], count + 1), arc, dense)[: count if closed else count + 1]
     curve = np.asarray(spline(even).T)
     if closed and smooth > 0 and lacking is not None:
-        x, y = (along := spline(even, 1).T) / np.hypot(*along)
+        x, y = (ahead := spline(even, 1).T) / np.hypot(*ahead)
         curve += _widening(curve, Polygon(points.T).area + lacking) * np.stack([y, -x])
     return curve
 
@@ -60,11 +60,6 @@ def _widening(curve: Array, area: float) -> float:
     around = Polygon(curve.T)
     more = area - around.area
     return float(2 * more / (around.length + np.sqrt(around.length**2 + 4 * np.pi * more)))
-
-
-def _lengths(points: Array) -> Array:
-    """Return the length of a polyline up to each of its points, (n,)."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=1)))])
 
 
 def _smoothed(nodes: Array, closed: bool, width: float) -> Array:

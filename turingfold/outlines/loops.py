@@ -73,24 +73,26 @@ def _refuse_tangled(name: str, curve: Array) -> None:
 
 
 def large_enough(
-    name: str, loops: list[Array], size: float, voxel: float = 0.0, lacking: float = 0.0
-) -> tuple[list[Array], list[str]]:
-    """Return the loops that are at least size/2 and 1.5 voxels wide or high, and a note on the others.
+    name: str, loops: list[Array], least: tuple[float, float, float], notes: list[str]
+) -> list[Array]:
+    """Return the loops at least size/2 and 1.5 voxels wide or high; a note on the others is added to `notes`.
 
-    lacking: see `Section`, m².
+    least: size and voxel, m, and what the curves lack of the area of their voxels, m².
     Raises ValueError if all are smaller.
     """
-    least, what = max((0.5 * size, "half an element"), (1.5 * voxel, "1.5 voxels"))
-    kept = [loop for loop in loops if np.ptp(loop, axis=1).max() >= least]
-    if not kept:
-        widest = max(float(np.ptp(loop, axis=1).max()) for loop in loops)
+    size, voxel, lacking = least
+    limit, what = max((0.5 * size, "half an element"), (1.5 * voxel, "1.5 voxels"))
+    widths = [float(np.ptp(loop, axis=1).max()) for loop in loops]
+    if widths and max(widths) < limit:
         raise ValueError(
-            f"{name} encloses nothing as large as an element: its largest curve is {widest:.3g} m wide; use "
-            f"smaller elements (size={size:.3g} m), and the same unit for all curves."
+            f"{name} encloses nothing as large as an element: its largest curve is {max(widths):.3g} m wide; "
+            f"use smaller elements (size={size:.3g} m), and the same unit for all curves."
         )
-    left = [Polygon(loop.T).area + lacking for loop in loops if np.ptp(loop, axis=1).max() < least]
-    note = f"{len(left)} curves of {name} smaller than {what} left out, {sum(left):.2g} m²"
-    return kept, [note] if left else []
+    small = [k for k, width in enumerate(widths) if width < limit]
+    if small:
+        area = sum(Polygon(loops[k].T).area + lacking for k in small)
+        notes.append(f"{len(small)} curves of {name} smaller than {what} left out, {area:.2g} m²")
+    return [loop for k, loop in enumerate(loops) if k not in small]
 
 
 def placed_bases(loops: list[Array], base_ends: Any, size: float) -> list[tuple[int, int, int]]:
@@ -159,8 +161,7 @@ def traced(
         for part, curved in _parts(loop, [base[1:] for base in bases if base[0] == k]):
             closed = curved and part is loop
             if curved:
-                points = _evened(_thinned(part, closed, 0.8 * step), closed)
-                points = line(points, closed, step, smooth, lacking)
+                points = line(_evened(part, closed, 0.8 * step), closed, step, smooth, lacking)
             else:
                 bottoms.append(points := part)
             dense.append(points if closed else points[:, :-1])
@@ -187,26 +188,20 @@ def _parts(loop: Array, bases: list[tuple[int, int]]) -> list[tuple[Array, bool]
     return [(part, curved) for part, curved in parts if part.shape[1] > 1]
 
 
-def _thinned(curve: Array, closed: bool, spacing: float) -> Array:
-    """Return the curve without points within `spacing` of the last kept one; open ends stay."""
-    whole = np.concatenate([curve, curve[:, :1]], axis=1) if closed else curve
-    kept = shapely.remove_repeated_points(shapely.LineString(whole.T), spacing)
-    points = np.array(kept.coords).T
-    return points[:, :-1] if closed else points
+def _evened(curve: Array, closed: bool, spacing: float) -> Array:
+    """Return the curve without points within `spacing` of the last kept one; open ends stay.
 
-
-def _evened(curve: Array, closed: bool) -> Array:
-    """Return the curve with long segments halved until none is over twice as long as one beside it.
-
-    A spline would swing out along a long segment beside short ones.
+    Long segments are halved until none is over twice as long as one beside it, for a spline would swing out
+    along a long segment beside short ones.
     """
-    points = np.concatenate([curve, curve[:, :1]], axis=1) if closed else curve
+    whole = np.concatenate([curve, curve[:, :1]], axis=1) if closed else curve
+    points = shapely.get_coordinates(shapely.remove_repeated_points(shapely.LineString(whole.T), spacing)).T
     while True:
         length = np.hypot(*np.diff(points))
         around = np.concatenate([length[-1:], length, length[:1]] if closed else [[np.inf], length, [np.inf]])
         long = np.flatnonzero(length > UNEVEN * np.minimum(around[:-2], around[2:]))
         if not len(long):
-            return points[:, :-1] if closed else points
+            return np.asarray(points[:, :-1] if closed else points)
         points = np.insert(points, long + 1, 0.5 * (points[:, long] + points[:, long + 1]), axis=1)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import shapely
 from scipy.sparse import coo_matrix
@@ -42,7 +44,7 @@ def meshed(made: Domain, finest: Size, grading: float, centre: Array, unit: floa
     found, points, triangles, gone = fill(_sides(made, along), finest, white, grading)
     if len(gone):
         x, y = (centre[:, 0] + unit * found.points[:, found.edges[:, gone[0]]].mean(1)).tolist()
-        kinds = " and ".join(sorted({LINES[found.kinds[k]] for k in found.side[gone]}))
+        kinds = " and ".join(sorted({LINES[kind] for kind in found.kinds[gone]}))
         raise ValueError(
             f"the mesh cannot keep {len(gone)} edges of {kinds}, first near ({x:.4g}, {y:.4g}) m, where "
             "lines cross or touch; move these curves apart by an element, or leave one out."
@@ -70,16 +72,12 @@ def _sides(made: Domain, size: Size) -> list[Side]:
     ]
     stops: list[list[float]] = [[] for _ in bases]
     boundary, interface = (_ended(rings(area), bases, stops, made.size) for area in (made.area, made.white))
+    everything = {"pial": boundary, "base": bases, "interface": interface, "hole": rings(made.holes)}
     return [
-        *(side("pial", line, size, made.on_surface) for line in boundary),
-        *(side("base", base, size, _same, np.array(at)) for base, at in zip(bases, stops, strict=True)),
-        *(side("interface", line, size, made.on_interface) for line in interface),
-        *(side("hole", ring, size, made.on_wall) for ring in rings(made.holes)),
+        side(kind, line, size, partial(made.put, kind), np.array(stops[k]) if kind == "base" else None)
+        for kind, lines in everything.items()
+        for k, line in enumerate(lines)
     ]
-
-
-def _same(at: Array) -> Array:
-    return at
 
 
 def _ended(whole: list[Array], bases: list[Array], stops: list[list[float]], size: float) -> list[Array]:
@@ -126,16 +124,9 @@ def _quadratic(found: Frame, points: Array, triangles: Integers, middles: Array,
         if (placed[:, edges] == flat[:, edges]).all():
             break
         placed[:, edges] = flat[:, edges]
-    kinds = np.array(found.kinds)[found.side]
-    named = {name: facets[kinds == name] for name in ("pial", "base", "hole")}
-    cortex = _gray(straight, facets[kinds == "interface"], white)
-    return MeshTri2(
-        placed,
-        mesh.t,
-        _boundaries={name: part for name, part in named.items() if len(part)},
-        _subdomains={"cortex": cortex},
-        validate=False,
-    )
+    named = {kind: facets[found.kinds == kind] for kind in ("pial", "base", "hole") if kind in found.kinds}
+    cortex = {"cortex": _gray(straight, facets[found.kinds == "interface"], white)}
+    return MeshTri2(placed, mesh.t, _boundaries=named, _subdomains=cortex, validate=False)
 
 
 def _gray(mesh: MeshTri1, interface: Integers, white: Booleans) -> Integers:

@@ -46,6 +46,11 @@ def rings(area: BaseGeometry) -> list[Array]:
     return [shapely.get_coordinates(ring if ring.is_ccw else ring.reverse()).T for ring in found]
 
 
+def along(points: Array) -> Array:
+    """Return the length of a polyline (2, n) up to each of its points, (n,)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=1)))])
+
+
 def segments(loops: Sequence[Array]) -> shapely.STRtree:
     """Return the segments of closed curves (2, n), for `nearest`."""
     ends = [np.stack([loop, np.roll(loop, -1, axis=1)], axis=-1) for loop in loops]

@@ -66,15 +66,8 @@ def inside(loops: list[Array]) -> list[str]:
 def refuse_interface(pial: list[Array], white: list[Array]) -> None:
     """Raise ValueError for a white surface that is not inside the pial one, or leaves no cortex."""
     tissue, inner = even_odd(pial), even_odd(white)
-    common = inner.intersection(tissue).area
-    share = common / inner.area if inner.area else 1.0
-    if share < INSIDE:
-        raise ValueError(
-            f"interface: {share:.2g} of the area that it encloses, {inner.area:.3g} m², lies inside the pial "
-            f"surface, {tissue.area:.3g} m²; it must be at least {INSIDE:g}. Are interface and points in the "
-            "same unit, and of the same section?"
-        )
-    if common > FILLED * tissue.area:
+    _refuse_outside("interface", inner, tissue, INSIDE)
+    if (common := inner.intersection(tissue).area) > FILLED * tissue.area:
         raise ValueError(
             f"interface encloses {common / tissue.area:.4g} of the area inside the pial surface and leaves "
             f"no cortex; it must be at most {FILLED:g}. Give the gray-white surface, not the pial one."
@@ -85,13 +78,17 @@ def refuse_holes(pial: list[Array], holes: list[Array]) -> None:
     """Raise ValueError for a hole that is not mostly inside the pial surface."""
     tissue = even_odd(pial)
     for k, hole in enumerate(holes):
-        area = enclosed(hole)
-        share = area.intersection(tissue).area / area.area if area.area else 1.0
-        if share < MOSTLY:
-            raise ValueError(
-                f"holes[{k}]: {share:.2g} of its area, {area.area:.3g} m², lies inside the pial surface, "
-                f"{tissue.area:.3g} m²; it must be at least {MOSTLY:g}. Are both in the same unit?"
-            )
+        _refuse_outside(f"holes[{k}]", enclosed(hole), tissue, MOSTLY)
+
+
+def _refuse_outside(name: str, area: BaseGeometry, tissue: BaseGeometry, least: float) -> None:
+    """Raise ValueError for an area of which less than a share lies in the tissue."""
+    if (common := area.intersection(tissue).area) < least * area.area:
+        raise ValueError(
+            f"{name}: {common / area.area:.2g} of its area, {area.area:.3g} m², lies inside the pial "
+            f"surface, {tissue.area:.3g} m²; it must be at least {least:g}. Are both in the same unit, and "
+            "of the same section?"
+        )
 
 
 def overlapping(holes: list[Array]) -> list[str]:
@@ -115,30 +112,25 @@ def of_holes(asked: BaseGeometry, tissue: BaseGeometry, made: BaseGeometry, unit
 
     unit: of all lengths, m.
     """
-    whole = pieces(asked)
-    out = asked.difference(tissue).area
-    m2 = unit**2
-    left = np.array([one.intersection(made).area for one in whole])
-    area = np.array([one.area for one in whole])
+    whole, m2 = pieces(asked), unit**2
+    out, more = asked.difference(tissue).area, made.difference(asked).area
+    left, area = np.array([(one.intersection(made).area, one.area) for one in whole]).T * m2
     gone = left == 0
     less = ~gone & (left < (1 - CHANGED) * area)
-    notes = []
-    if out > CHANGED * asked.area:
-        notes.append(f"{out * m2:.2g} m² of holes outside the pial surface cut off")
-    if less.any():
-        notes.append(
-            f"{less.sum()} holes made smaller, from {m2 * area[less].sum():.3g} to "
-            f"{m2 * left[less].sum():.3g} m², as elements and the cortex around need"
-        )
-    if (more := made.difference(asked).area) > CHANGED * asked.area:
-        notes.append(f"{m2 * more:.2g} m² of tissue in or between holes too thin for the elements left out")
-    if joined := sum(sum(one.intersection(each).area > 0 for each in whole) > 1 for one in pieces(made)):
-        notes.append(f"holes nearer to each other than elements need joined to {joined}")
-    if gone.any():
-        notes.append(
-            f"{gone.sum()} holes too small or thin for the elements left out, {m2 * area[gone].sum():.2g} m²"
-        )
-    return notes
+    joined = sum(sum(one.intersection(each).area > 0 for each in whole) > 1 for one in pieces(made))
+    told = {
+        f"{out * m2:.2g} m² of holes outside the pial surface cut off": out > CHANGED * asked.area,
+        f"{less.sum()} holes made smaller, from {area[less].sum():.3g} to {left[less].sum():.3g} m², as "
+        "elements and the cortex around need": less.any(),
+        f"{more * m2:.2g} m² of tissue in or between holes too thin for the elements left out": (
+            more > CHANGED * asked.area
+        ),
+        f"holes nearer to each other than elements need joined to {joined}": joined,
+        f"{gone.sum()} holes too small or thin for the elements left out, {area[gone].sum():.2g} m²": (
+            gone.any()
+        ),
+    }
+    return [words for words, holds in told.items() if holds]
 
 
 def crossings(loop: Array, enough: int) -> int:
