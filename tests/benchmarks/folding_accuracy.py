@@ -22,8 +22,8 @@ by elements half as long; chosen after
 seeing this. Against 12 across, 18 along and a core of 0.05, which take seven times as long (energy
 0.200149 J/m, index 1.45413, depth 1.8535 T), the default is off by 6.1e-3, 7.0e-3 and 9.4e-4, 6, 6 with the
 former core of 0.2 by 1.9e-2, 1.2e-2 and 1.1e-2.
-Steps choose between neighbouring equilibria: 15 and 20 end in the same one, the others up
-to 3e-4 of the energy and 0.08 T away.
+Steps choose between neighbouring equilibria: from 5 to 45, all end up to 0.08 T from where 90 end, and up to
+3e-4 of the energy.
 """
 
 from dataclasses import replace
