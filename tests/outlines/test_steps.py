@@ -112,24 +112,29 @@ def folded(edge):
     x, y = np.meshgrid(x + 0.13 * edge, x + 0.37 * edge, indexing="ij")
     sulci = [
         shapely.LineString(np.outer([16e-3, 40e-3], [np.cos(a), np.sin(a)]))
-        for a in np.arange(12) / 6 * np.pi
+        for a in (np.arange(12) + 0.5) / 6 * np.pi
     ]
     tissue = shapely.Point(0, 0).buffer(30e-3) - shapely.union_all(sulci).buffer(1.5e-3)
     inside = [shapely.contains_xy(area, x, y) for area in (tissue, tissue.buffer(-3e-3))]
     return np.uint8(inside[0]) + np.uint8(inside[1])
 
 
+@pytest.mark.parametrize("cut", [False, True])
 @pytest.mark.parametrize("edge", [1e-3, 2e-3])
-def test_each_tissue_has_the_area_of_its_voxels(edge):
-    """Without it smoothing fills sulci more than it wears off gyri: gray matter +1.1 % and +6.8 %."""
+def test_each_tissue_has_the_area_of_its_voxels(edge, cut):
+    """Else smoothing fills sulci more than it wears off gyri: gray matter +1.3 % and, at 2 mm, +7.3 %."""
     labels = folded(edge)
+    labels = labels[:, len(labels) // 2 :] if cut else labels
     (section,) = sections((labels[:, None], np.diag([1e3 * edge] * 3 + [1.0])), gray=1, white=2)
     for curves, voxels in ((section.pial, labels > 0), (section.white, labels > 1)):
         enclosed = sum(abs(area(curve)) + section.lacking for curve in curves)
         assert enclosed == pytest.approx(voxels.sum() * edge**2, rel=1e-9)
-    body = outline(section, size=T / 2)
+    body = outline(section, size=T / 2, base_ends=section.cuts if cut else None)
     areas = Basis(body.mesh, ElementTriP2(), intorder=4).dx.sum(axis=1)
     gray = areas[body.mesh.subdomains["cortex"]].sum()
     assert areas.sum() == pytest.approx((labels > 0).sum() * edge**2, rel=5e-3)
     assert gray == pytest.approx((labels == 1).sum() * edge**2, rel=0.03)
+    # islands of one voxel, which are told apart, are gray
+    specks = [curve for curve in section.white if np.ptp(curve, axis=1).max() < 1.5 * edge]
+    gray -= sum(abs(area(curve)) + section.lacking for curve in specks)
     assert body.changes.cortex == pytest.approx(gray / ((labels == 1).sum() * edge**2) - 1, abs=5e-3)

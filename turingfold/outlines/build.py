@@ -81,7 +81,7 @@ def outline(
     inset: walls of sulci that come nearer to each other than twice this are moved apart, by it; m; size/4.
     smooth: take away details of the curves shorter than this, in m; left out, of a `Section` of an image 1.5
     voxels, else 0: nothing. A wave of four times this length keeps half its height, of eight times 93 %. Each
-    closed curve of an image's `Section` encloses as much as before.
+    curve of an image's `Section` encloses as much as before.
     fine: a disc, or several, of smaller elements in the cortex, as in zones of thinner cortex or more growth.
 
     What the elements cannot follow is rounded: tissue thinner than size/2 goes, the interface keeps one

@@ -44,8 +44,8 @@ class Given:
     """Closed curves, each (2, n): pial surfaces with bases (loop, first, last), white surfaces, holes.
 
     notes: on what was left out of them.  doubts: on what they may not be meant to be.  steps: whether they
-    have steps of voxels, which are smoothed away.  lacking: area, beside its own, that each closed curve of
-    an image keeps when it is smoothed, m²; None: none.
+    have steps of voxels, which are smoothed away.  lacking: area, beside its own, that each curve of an
+    image keeps when it is smoothed, m²; None: none.
     """
 
     pial: list[Array]

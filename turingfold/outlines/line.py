@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from shapely import Polygon
 
 from ..arrays import Array
 from .region import along
@@ -22,9 +21,9 @@ def line(
     points are convolved with the kernel 2g - g*g, g a Gaussian of standard deviation `smooth`, so that a
     circle of radius R shrinks by only R (smooth/R)⁴/4. The ends of an open curve stay where they are; a
     closed one does not repeat its first point.
-    lacking: move a smoothed closed curve, counter-clockwise, along its normals until it encloses as much as
-    before and so much more, m²; if None narrow sulci, which fill up more than wide gyri wear off, make tissue
-    larger.
+    lacking: move a smoothed curve, counter-clockwise, along its normals until it encloses as much as before
+    and so much more, m²; an open one with the chord between its ends. If None narrow sulci, which fill up
+    more than wide gyri wear off, make the tissue larger.
     Raises ValueError for a `smooth` that leaves nothing of the curve.
     """
     nodes = np.concatenate([points, points[:, :1]], axis=1) if closed else points
@@ -44,22 +43,30 @@ def line(
     dense = np.linspace(0.0, at[-1], 8 * len(at))
     arc = along(spline(dense).T)
     count = FINER * max(2, round(float(arc[-1]) / step))
-    even = np.interp(np.linspace(0.0, arc[-1], count + 1), arc, dense)[: count if closed else count + 1]
+    ways = np.linspace(0.0, arc[-1], count + 1)[: count if closed else count + 1]
+    even = np.interp(ways, arc, dense)
     curve = np.asarray(spline(even).T)
-    if closed and smooth > 0 and lacking is not None:
-        x, y = (ahead := spline(even, 1).T) / np.hypot(*ahead)
-        curve += _widening(curve, Polygon(points.T).area + lacking) * np.stack([y, -x])
+    if smooth > 0 and lacking is not None:
+        x, y = spline(even, 1).T / np.hypot(*spline(even, 1).T)
+        ends = 1.0 if closed else np.minimum(ways, ways[::-1]).clip(max=2 * smooth) / (2 * smooth)
+        outward = ends * np.stack([y, -x])
+        curve += _widening(curve, outward, _enclosed(points, points) + lacking) * outward
     return curve
 
 
-def _widening(curve: Array, area: float) -> float:
-    """Return how far a closed curve (2, n) is from the parallel one outside that encloses an area.
+def _widening(curve: Array, outward: Array, area: float) -> float:
+    """Return the d for which a curve (2, n) moved by d times `outward` (2, n) encloses an area; m.
 
-    At distance d that encloses A + L d + π d², with L the length (Steiner); L² >= 4π A, so that d is real.
+    For polygons A(p + d v) = A(p, p) + d (A(p, v) + A(v, p)) + d² A(v, v), A the bilinear form of the area.
     """
-    around = Polygon(curve.T)
-    more = area - around.area
-    return float(2 * more / (around.length + np.sqrt(around.length**2 + 4 * np.pi * more)))
+    more = area - _enclosed(curve, curve)
+    slope = _enclosed(curve, outward) + _enclosed(outward, curve)
+    return float(2 * more / (slope + np.sqrt(max(0.0, slope**2 + 4 * _enclosed(outward, outward) * more))))
+
+
+def _enclosed(a: Array, b: Array) -> float:
+    """Return ½ ∮ a × db, of polygons (2, n); with a = b what they enclose counter-clockwise."""
+    return 0.5 * float(a[0] @ np.roll(b[1], -1) - a[1] @ np.roll(b[0], -1))
 
 
 def _smoothed(nodes: Array, closed: bool, width: float) -> Array:
