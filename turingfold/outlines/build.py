@@ -120,9 +120,10 @@ def outline(
     depth = _thickness(points, loops, thickness, white)
     step = _size(size, elements, depth, loops)
     walls = step / 4 if inset is None else positive("inset", inset)
-    finest = _finest(fine, step, grading)
+    discs = tuple(fine) if isinstance(fine, (tuple, list)) else (fine,)
+    finest = _finest(discs, step, grading)
     refuse_too_many(
-        _triangles(loops, depth.typical, step, grading, fine), step,
+        _triangles(loops, depth.typical, step, grading, discs), step,
         f"are size, thickness={depth.typical:g} and points in the same unit?",
     )  # fmt: skip
     if white is not None and thickness is not None:
@@ -171,7 +172,9 @@ def _given(
     return Given(loops, bases, white, holes, tuple(notes), tuple(doubts), least[1] > 0, lacking)
 
 
-def _triangles(loops: list[Array], thickness: float, size: float, grading: float, fine: Any) -> float:
+def _triangles(
+    loops: list[Array], thickness: float, size: float, grading: float, fine: tuple[RefinementDisc, ...]
+) -> float:
     """Return about how many triangles the inside of curves gets, of 0.43 size² each.
 
     In the cortex they are of one size, or smaller in the discs `fine`, and grow by `grading` below it.
@@ -182,15 +185,14 @@ def _triangles(loops: list[Array], thickness: float, size: float, grading: float
     gray = along.sum() * thickness
     white = min(along.sum() * size / max(grading, 1e-9), even_odd(loops).area)
     count = (gray + white) / size**2
-    for disc in fine if isinstance(fine, (tuple, list)) else (fine,):
+    for disc in fine:
         inside = min(along[disc.away(middles) == 0].sum() * thickness, np.pi * disc.radius**2)
         count += inside / (disc.share * size) ** 2
     return float(2.3 * count)
 
 
-def _finest(fine: Any, step: float, grading: float) -> Size:
+def _finest(discs: tuple[Any, ...], step: float, grading: float) -> Size:
     """Return the size of elements in the cortex, m, as a function of points (2, n) → (n,)."""
-    discs = tuple(fine) if isinstance(fine, (tuple, list)) else (fine,)
     for disc in discs:
         instance("fine", disc, RefinementDisc, "RefinementDisc(centre=(0.0, 0.03), radius=0.01, share=0.5)")
 
@@ -234,8 +236,12 @@ def _thickness(points: Any, loops: list[Array], given: Any, white: list[Array] |
                 "thickness varies from place to place, and beside interface it must be one number, that of "
                 "the layers: how thick the cortex is, the interface says. Leave out one of both."
             )
-        typical = _own_depth(loops, white) if given is None else positive("thickness", given)
-        return Thickness(typical, None)
+        if given is None and (given := _median_depth(loops, white)) <= 0:
+            raise ValueError(
+                "interface: half of its points or more lie on the pial surface, so that it does not tell how "
+                "thick the cortex is; give the gray-white surface, and a typical thickness=..., too."
+            )
+        return Thickness(positive("thickness", given), None)
     if given is None:
         raise ValueError("thickness is missing: give it in m, or the white surface as interface=....")
     if callable(given):
@@ -261,16 +267,6 @@ def _median_depth(loops: list[Array], white: list[Array]) -> float:
     """Return the median distance of points of the white surface from the pial one; m."""
     at = np.concatenate(white, axis=1)
     return float(np.median(np.hypot(*(at - nearest(at, segments(loops))))))
-
-
-def _own_depth(loops: list[Array], white: list[Array]) -> float:
-    """Return the median distance of the white surface from the pial one; ValueError if there is none."""
-    if (found := _median_depth(loops, white)) <= 0:
-        raise ValueError(
-            "interface: half of its points or more lie on the pial surface, so that it does not tell how "
-            "thick the cortex is; give the gray-white surface, and a typical thickness=..., too."
-        )
-    return found
 
 
 def _disagreement(loops: list[Array], white: list[Array], thickness: float) -> list[str]:

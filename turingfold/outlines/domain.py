@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from scipy.optimize import bisect
 from shapely import LineString, MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
@@ -36,6 +37,7 @@ NEAR = 0.02  # of the size: nodes so close to a smooth curve are put on it
 OFFSET = 0.011  # of the distance, by which shapely's offsets leave out points
 BARE = 0.05  # share of the area in pieces without white matter, from which on it is told
 NEAR_BASE = 0.6  # of the size: how far from a base a white surface ends on it
+DIGITS = 1e-5  # of a thickness, to which the largest depth is told
 DEEPEST = 2 / 3  # largest thickness, as a share of the largest depth below the pial surface
 
 
@@ -206,15 +208,12 @@ def _refuse_thick(area: MultiPolygon, pial: BaseGeometry, thickness: float, unit
 
     Less than 1 % of the deepest place is then cortex by θ(y) = 1/(1 + exp(10 (y/T - 1))).
     """
-    if not below(area, pial, thickness / DEEPEST).is_empty:
+    if not below(area, pial, most := thickness / DEEPEST).is_empty:
         return
-    low, high = 0.0, thickness / DEEPEST
-    for _ in range(16):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if below(area, pial, middle).is_empty else (middle, high)
+    depth = bisect(lambda at: 0.5 - below(area, pial, at).is_empty, 0.0, most, xtol=DIGITS * most)
     raise ValueError(
-        f"thickness={thickness * unit:g} m must be at most {DEEPEST * low * unit:.4g} m, two thirds of the "
-        f"largest depth below the pial surface ({low * unit:.4g} m), or it leaves hardly any white matter; "
+        f"thickness={thickness * unit:g} m must be at most {DEEPEST * depth * unit:.4g} m, two thirds of the "
+        f"largest depth below the pial surface ({depth * unit:.4g} m), or it leaves hardly any white matter; "
         "use a thinner cortex, and the same unit for thickness and points."
     )
 

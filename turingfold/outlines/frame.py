@@ -63,11 +63,6 @@ class Side:
         """The points half way between nodes, (2, edges)."""
         return self.put(self.at(0.5 * (self.places[1:] + self.places[:-1])))
 
-    def split(self, edges: Booleans) -> Side:
-        """Return the line with nodes half way along some edges, too."""
-        half_way = 0.5 * (self.places[1:] + self.places[:-1])
-        return replace(self, places=np.sort(np.concatenate([self.places, half_way[edges]])))
-
 
 def side(kind: str, line: Array, size: Size, put: Put, stops: Array | None = None) -> Side:
     """Return a line with nodes as far apart as `size` asks, closer where it bends.
@@ -181,9 +176,10 @@ def split(sides: list[Side], found: Frame, edges: Integers) -> list[Side]:
     """Return the lines with nodes half way along some edges of their frame."""
     result = []
     for k, one in enumerate(sides):
-        chosen = np.zeros(len(one.places) - 1, dtype=bool)
-        chosen[found.place[edges[found.side[edges] == k]]] = True
-        result.append(one.split(chosen) if chosen.any() else one)
+        chosen = found.place[edges[found.side[edges] == k]]
+        half_way = 0.5 * (one.places[chosen + 1] + one.places[chosen])
+        places = np.sort(np.concatenate([one.places, half_way]))
+        result.append(replace(one, places=places) if len(chosen) else one)
     return result
 
 

@@ -61,12 +61,13 @@ def _widening(curve: Array, outward: Array, area: float) -> float:
     """
     more = area - _enclosed(curve, curve)
     slope = _enclosed(curve, outward) + _enclosed(outward, curve)
-    return float(2 * more / (slope + np.sqrt(max(0.0, slope**2 + 4 * _enclosed(outward, outward) * more))))
+    root = np.sqrt(max(0.0, slope**2 + 4 * _enclosed(outward, outward) * more))
+    return float(np.float32(2 * more / (slope + root)))  # free of the round-off of sums
 
 
 def _enclosed(a: Array, b: Array) -> float:
     """Return ½ ∮ a × db, of polygons (2, n); with a = b what they enclose counter-clockwise."""
-    return 0.5 * float(a[0] @ np.roll(b[1], -1) - a[1] @ np.roll(b[0], -1))
+    return 0.5 * float(np.sum(a[0] * np.roll(b[1], -1) - a[1] * np.roll(b[0], -1)))
 
 
 def _smoothed(nodes: Array, closed: bool, width: float) -> Array:

@@ -64,15 +64,11 @@ def of_walls(mesh: MeshTri2) -> float:
 
 def _sides(made: Domain, size: Size) -> list[Side]:
     """Return all lines of the frame with their nodes; bases have some where other lines end on them."""
-    tips = [shapely.points(base.T[[0, -1]]) for base in made.bases]
-    bases = [
-        base
-        for base, ends in zip(made.bases, tips, strict=True)
-        if shapely.dwithin(made.area.boundary, ends, AWAY * made.size).all()
-    ]
+    boundary, near = made.area.boundary, AWAY * made.size
+    bases = [b for b in made.bases if shapely.dwithin(boundary, shapely.points(b.T[[0, -1]]), near).all()]
     stops: list[list[float]] = [[] for _ in bases]
-    boundary, interface = (_ended(rings(area), bases, stops, made.size) for area in (made.area, made.white))
-    everything = {"pial": boundary, "base": bases, "interface": interface, "hole": rings(made.holes)}
+    pial, interface = (_ended(rings(area), bases, stops, made.size) for area in (made.area, made.white))
+    everything = {"pial": pial, "base": bases, "interface": interface, "hole": rings(made.holes)}
     return [
         side(kind, line, size, partial(made.put, kind), np.array(stops[k]) if kind == "base" else None)
         for kind, lines in everything.items()
@@ -94,11 +90,12 @@ def _ended(whole: list[Array], bases: list[Array], stops: list[list[float]], siz
             line = shapely.get_coordinates(part).T.copy()
             for end in () if part.is_ring else (0, -1):
                 k = int(np.argmin(shapely.distance(lines, shapely.points(line[:, end]))))
-                at = lines[k].project(shapely.points(line[:, end]))
-                tip = 0 if at < AWAY * size else -1 if at > lines[k].length - AWAY * size else None
-                if tip is None:
+                at, length = lines[k].project(shapely.points(line[:, end])), lines[k].length
+                if AWAY * size <= at <= length - AWAY * size:
                     stops[k].append(at)
-                line[:, end] = lines[k].interpolate(at).coords[0] if tip is None else bases[k][:, tip]
+                else:
+                    at = 0.0 if at < AWAY * size else length
+                line[:, end] = lines[k].interpolate(at).coords[0]
             found.append(line)
     return found
 
