@@ -98,7 +98,7 @@ def multiplied(law: str, growth: Array, state: State) -> Array:
             time=state.time,
         )
     found = growth * state["growth"] if "growth" in state else growth
-    return _by_element(found)
+    return _by_element(found) if found.ndim == 3 else found  # whose shape is refused where it is used
 
 
 def _by_element(growth: Array) -> Array:
